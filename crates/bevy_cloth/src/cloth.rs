@@ -1,0 +1,153 @@
+//! The authored component that makes an entity a cloth, and the read-only components that hold what became of it.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+pub use cloth_solver::topology::Resolution;
+use cloth_solver::{ClothError, Fabric, Pose, Soa3, Topology};
+
+use crate::prepare::Authored;
+
+/// Makes its entity a cloth.
+///
+/// What it is made of is told by [`Fabric`] (plain cotton unless given), what holds it by [`Pins`](crate::Pins).
+/// All may be inserted, changed and removed at any time; the cloth follows at the next fixed step. Removing `Cloth`
+/// takes the simulation off the entity and gives it back the [`Mesh3d`] it had.
+///
+/// The scale of the entity's [`Transform`] is part of the rest shape: a rectangle of 1 m × 1 m on an entity scaled by
+/// 2 is a cloth of 2 m × 2 m of the same fabric. A changed scale therefore builds the cloth anew, flat and at rest;
+/// a changed place or orientation moves its frame and what is pinned to it, and leaves the rest where it is.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[require(Transform, Visibility, Fabric, Authored)]
+pub struct Cloth {
+    /// Where the rest shape comes from.
+    pub source: ClothSource,
+}
+
+/// Where the rest shape of a [`Cloth`] comes from.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum ClothSource {
+    /// A rectangle in the xy plane, centred on the entity's [`Transform`] and facing +z. The warp (the direction
+    /// along the roll) runs along y, the weft along x.
+    Rectangle {
+        /// Width along x and height along y, m, before the transform's scale.
+        size: Vec2,
+        /// How finely it is divided.
+        resolution: Resolution,
+    },
+    /// The triangles of the entity's own [`Mesh3d`], which may load later; until then the entity waits. The mesh
+    /// asset is read, never written: the cloth draws a mesh of its own. Where the mesh has texture coordinates the
+    /// warp runs along v.
+    ///
+    /// Needs the resource [`Assets<Mesh>`](bevy::asset::Assets) and a mesh kept in the main world.
+    Mesh,
+}
+
+impl Default for ClothSource {
+    fn default() -> Self {
+        Self::Rectangle { size: Vec2::ONE, resolution: Resolution::Spacing(Cloth::DEFAULT_SPACING) }
+    }
+}
+
+impl Cloth {
+    /// Distance between neighbouring particles of a rectangle unless told otherwise, m.
+    pub const DEFAULT_SPACING: f32 = 0.025;
+
+    /// A rectangle `width` × `height` (m) with a particle every [`Cloth::DEFAULT_SPACING`].
+    pub const fn rectangle(width: f32, height: f32) -> Self {
+        Self {
+            source: ClothSource::Rectangle {
+                size: Vec2::new(width, height),
+                resolution: Resolution::Spacing(Self::DEFAULT_SPACING),
+            },
+        }
+    }
+
+    /// The triangles of the entity's own [`Mesh3d`].
+    pub const fn mesh() -> Self {
+        Self { source: ClothSource::Mesh }
+    }
+
+    /// The same with neighbouring particles about `metres` apart, rounded so that whole cells fill the rectangle.
+    /// Does nothing to a cloth made from a mesh, which has the resolution of its triangles.
+    pub const fn with_spacing(self, metres: f32) -> Self {
+        self.with_resolution(Resolution::Spacing(metres))
+    }
+
+    /// The same with `across` cells over the width and `down` cells over the height.
+    /// Does nothing to a cloth made from a mesh, which has the resolution of its triangles.
+    pub const fn with_cells(self, across: u32, down: u32) -> Self {
+        self.with_resolution(Resolution::Cells(UVec2::new(across, down)))
+    }
+
+    const fn with_resolution(mut self, to: Resolution) -> Self {
+        if let ClothSource::Rectangle { resolution, .. } = &mut self.source {
+            *resolution = to;
+        }
+        self
+    }
+}
+
+/// The rest state and connectivity a running cloth was built to. Read-only; shared between threads at no cost.
+///
+/// Its presence says that the cloth was accepted at least once. Beside it lie the solver's
+/// [`Particles`](cloth_solver::Particles), [`Constraints`](cloth_solver::cloth::Constraints) and
+/// [`Contacts`](cloth_solver::contact::Contacts).
+#[derive(Component, Clone, Debug, Deref)]
+pub struct ClothTopology(pub(crate) Arc<Topology>);
+
+/// Where a running cloth's own frame stands in the world. Read-only.
+///
+/// Particles are held in this frame, so that a cloth ten kilometres from the origin is as exact as one at it.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct ClothFrame {
+    /// Rotation and translation of the entity at the last tick.
+    pub pose: Pose,
+    /// The scale that is baked into the rest shape.
+    pub scale: Vec3,
+    /// The pose one tick earlier.
+    pub(crate) before: Pose,
+    /// Whether the entity's transform is not finite, so that the pose is the last one that was.
+    pub(crate) lost: bool,
+}
+
+impl ClothFrame {
+    /// Takes a point of the cloth's frame to the world, m.
+    pub fn to_world(&self, point: Vec3) -> Vec3 {
+        self.pose.point(point)
+    }
+
+    /// Takes a point of the world to the cloth's frame, m.
+    pub fn to_local(&self, point: Vec3) -> Vec3 {
+        self.pose.inverse_point(point)
+    }
+
+    /// The last tick's pose as seen from this one; exactly the identity if nothing moved.
+    pub(crate) fn step(&self) -> Pose {
+        crate::prepare::relative(&self.pose, &self.before)
+    }
+}
+
+/// Where the particles of a running cloth were one tick ago, in the cloth's present frame. Read-only.
+///
+/// The shape drawn lies between it and the present one, and it is what a cloth with a non-finite number returns to.
+#[derive(Component, Clone, Debug)]
+pub struct ClothHistory {
+    /// Position of each slot at the start of the last tick, m.
+    pub position: Soa3,
+}
+
+/// Why a cloth is out of the simulation at present. Read-only; it goes when the data is mended.
+///
+/// A cloth that ran before stands still in its last shape.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct ClothRejection(pub(crate) ClothError);
+
+impl ClothRejection {
+    /// What was refused: field, value and allowed range.
+    pub fn error(&self) -> &ClothError {
+        &self.0
+    }
+}

@@ -1,0 +1,101 @@
+//! Real-time cloth for the [Bevy](https://bevy.org) game engine, in SI units.
+//!
+//! # Contents
+//! - [Example](#example)
+//! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`ClothCollider`]
+//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Shared`]
+//! - [Time](#time): [`ClothClock`], [`ClothTime`]
+//! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
+//! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
+//! - [Drawing](#drawing): `ClothColoring`
+//! - [Picking](#picking): `ClothPicking`, [`Grabs`]
+//! - [Features](#features)
+//!
+//! # Example
+//! A curtain on five rods, and a ball that it meets. Without a window this runs as it stands; in a game take
+//! `DefaultPlugins` instead.
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_cloth::*;
+//!
+//! App::new()
+//!     .add_plugins((MinimalPlugins, ClothPlugin::default()))
+//!     .add_systems(Startup, |mut commands: Commands| {
+//!         commands.spawn((Cloth::rectangle(2.0, 1.5), Fabric::COTTON_POPLIN, Pins::rods(5)));
+//!         commands.spawn((ClothCollider::Sphere { radius: 0.4 }, Transform::from_xyz(0.0, -0.5, 0.1)));
+//!     })
+//!     .update();
+//! ```
+//!
+//! # What a cloth is made of
+//! One component per concept, each optional beside [`Cloth`], each to be inserted, changed and removed at any time.
+//! [`Cloth`] says where the rest shape comes from (a rectangle, or the entity's own mesh, which may load later),
+//! [`Fabric`] what it is made of, [`Pins`] what holds it. Solids are entities with a [`ClothCollider`].
+//!
+//! # Settings
+//! [`Gravity`] and [`Substeps`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and
+//! [`Shared<Substeps>`](Shared); as a component each overrides the shared value for one cloth.
+//!
+//! # Time
+//! [`Time<ClothClock>`](ClothClock) is paused, slowed and stepped through the trait [`ClothTime`]. It advances in
+//! ticks of the fixed timestep, so that neither the frame rate nor slow motion changes the motion.
+//!
+//! # What happens in a tick
+//! [`ClothPlugin`] runs in [`FixedPostUpdate`] unless told otherwise. There it takes over what changed
+//! ([`ClothSystems::Build`]), advances the clock and runs [`ClothSchedule`] zero or more times
+//! ([`ClothSystems::Advance`]). All sets are public: put a system between any two. Beside `Cloth` the entity then
+//! carries the solver's state: [`Particles`], [`Constraints`](cloth_solver::cloth::Constraints),
+//! [`Contacts`](cloth_solver::contact::Contacts), [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
+//!
+//! # What is told
+//! Wrong data never panics and never stops the rest of the world: [`ClothRejected`] and [`ColliderRejected`] name the
+//! entity, the field, the value and what is allowed. A number that is not finite at run time puts that one cloth back
+//! to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a line in the log.
+//! Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
+//!
+//! # Drawing
+//! With [`Assets<Mesh>`](Mesh) present each cloth draws a mesh of its own: front and back as separate vertices, half
+//! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
+//! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//!
+//! # Picking
+//! A backend for [`bevy::picking`] casts against the shape the cloth has now, and the left button grabs it, also
+//! while the clock is paused. Grabbing by code is inserting [`Grabs`].
+//!
+//! # Features
+//! - `render` (default): drawing. Without it the crate needs no renderer.
+//! - `picking` (default): picking. Without it the crate needs no window and no pointer.
+
+pub mod clock;
+pub mod cloth;
+pub mod collider;
+pub mod diagnostics;
+pub mod events;
+#[cfg(feature = "picking")]
+pub mod picking;
+pub mod pins;
+#[cfg(feature = "render")]
+pub mod render;
+pub mod schedule;
+pub mod settings;
+pub mod stats;
+
+mod fault;
+mod prepare;
+mod report;
+mod step;
+
+pub use clock::{ClothClock, ClothTime};
+pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth_solver::{self, ClothError, Fabric, Particles};
+pub use collider::{ClothCollider, ColliderFriction};
+pub use diagnostics::ClothDiagnosticsPlugin;
+pub use events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, ResetCloth};
+#[cfg(feature = "picking")]
+pub use picking::{ClothHit, ClothPicking};
+pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
+#[cfg(feature = "render")]
+pub use render::ClothColoring;
+pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
+pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
+pub use stats::ClothStats;

@@ -1,0 +1,200 @@
+//! What was authored: noticing what changed, and remembering what is wrong.
+
+use bevy::ecs::query::QueryData;
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use cloth_solver::{ClothError, Fabric, Topology};
+
+use super::placement::Placement;
+use super::{DrawnMesh, anchors};
+use crate::cloth::{Cloth, ClothRejection, ClothSource};
+use crate::pins::Pins;
+use crate::settings::{Grabs, Gravity, Shared, Substeps};
+
+/// A scale that changes by less than this part of itself is the same scale: taken out of the matrices of a turning
+/// hierarchy it is never twice the same to the last bit.
+const SCALE_TOLERANCE: f32 = 1e-4;
+
+/// What a cloth was last seen to be, what is still to be done about it, and what was wrong with it.
+#[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Authored {
+    source: Option<ClothSource>,
+    mesh: Option<AssetId<Mesh>>,
+    scale: Vec3,
+    fabric: Option<Fabric>,
+    pins: Option<Pins>,
+    gravity: Option<Gravity>,
+    substeps: Option<Substeps>,
+    /// The runtime state does not show the shape seen here.
+    pub stale: bool,
+    /// What the shape still waits for.
+    pub waits_for: Option<WaitsFor>,
+    /// Grabs that came before there was a topology to check them against.
+    grabs_unchecked: bool,
+    pub faults: Faults,
+}
+
+/// What the shape of a cloth can wait for without anything being wrong with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum WaitsFor {
+    Mesh,
+    FiniteTransform,
+}
+
+/// What is wrong with each part of the authored data.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Faults {
+    pub source: Option<ClothError>,
+    pub fabric: Option<ClothError>,
+    pub pins: Option<ClothError>,
+    pub settings: Option<ClothError>,
+    pub grabs: Option<ClothError>,
+}
+
+impl Faults {
+    pub fn first(&self) -> Option<&ClothError> {
+        [&self.source, &self.fabric, &self.pins, &self.settings, &self.grabs].into_iter().flatten().next()
+    }
+}
+
+/// Which parts of the authored data want something done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Changes {
+    pub shape: bool,
+    pub fabric: bool,
+    pub pins: bool,
+    pub settings: bool,
+    pub grabs: bool,
+}
+
+/// The authored components of one cloth.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Wanted {
+    pub entity: Entity,
+    cloth: Ref<'static, Cloth>,
+    fabric: Option<Ref<'static, Fabric>>,
+    pins: Option<Ref<'static, Pins>>,
+    gravity: Option<Ref<'static, Gravity>>,
+    substeps: Option<Ref<'static, Substeps>>,
+    grabs: Option<Ref<'static, Grabs>>,
+    mesh: Option<&'static Mesh3d>,
+    drawn: Option<&'static DrawnMesh>,
+    pub authored: &'static mut Authored,
+    pub rejection: Option<&'static ClothRejection>,
+}
+
+/// Whether an optional component is another one than was last seen. The change flag comes first, since a NaN is
+/// different from itself; the value second, since inspectors touch what they do not change.
+fn differs<T: PartialEq>(now: &Option<Ref<T>>, seen: &Option<T>) -> bool {
+    match (now, seen) {
+        (Some(now), Some(seen)) => now.is_changed() && **now != *seen,
+        (None, None) => false,
+        _ => true,
+    }
+}
+
+impl WantedItem<'_, '_> {
+    pub fn source(&self) -> &ClothSource {
+        &self.cloth.source
+    }
+
+    pub fn fabric(&self) -> Fabric {
+        self.fabric.as_deref().copied().unwrap_or_default()
+    }
+
+    pub fn pins(&self) -> Option<&Pins> {
+        self.pins.as_deref()
+    }
+
+    pub fn has_grabs(&self) -> bool {
+        self.grabs.is_some()
+    }
+
+    /// The mesh the user gave the entity, seen past the one the cloth draws.
+    pub fn user_mesh(&self) -> Option<AssetId<Mesh>> {
+        match (self.mesh, self.drawn) {
+            (Some(mesh), Some(drawn)) if mesh.id() == drawn.drawn.id() => drawn.source.as_ref().map(Handle::id),
+            (Some(mesh), _) => Some(mesh.id()),
+            (None, _) => None,
+        }
+    }
+
+    /// What changed since the last call. Remembers what it saw.
+    pub fn notice(
+        &mut self,
+        placement: Option<Placement>,
+        meshes: Option<&Assets<Mesh>>,
+        modified: &HashSet<AssetId<Mesh>>,
+        shared: (&Res<Shared<Gravity>>, &Res<Shared<Substeps>>),
+        running: bool,
+    ) -> Changes {
+        let seen = &self.authored;
+        let first = seen.source.is_none();
+        let mesh = self.user_mesh().filter(|_| self.cloth.source == ClothSource::Mesh);
+        let placement = placement.filter(Placement::is_finite);
+        let scale = placement.map_or(seen.scale, |placement| placement.scale);
+        let arrived = match seen.waits_for {
+            Some(WaitsFor::Mesh) => mesh.is_some_and(|id| meshes.is_some_and(|meshes| meshes.contains(id))),
+            Some(WaitsFor::FiniteTransform) => placement.is_some(),
+            None => false,
+        };
+        let new_mesh = mesh.is_some_and(|id| Some(id) != seen.mesh || modified.contains(&id));
+        let changes = Changes {
+            shape: first
+                || arrived
+                || new_mesh
+                || (self.cloth.is_changed() && seen.source.as_ref() != Some(&self.cloth.source))
+                || (scale - seen.scale).abs().max_element() > SCALE_TOLERANCE * seen.scale.abs().max_element(),
+            fabric: differs(&self.fabric, &seen.fabric),
+            pins: differs(&self.pins, &seen.pins)
+                || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
+            settings: first
+                || differs(&self.gravity, &seen.gravity)
+                || differs(&self.substeps, &seen.substeps)
+                || (self.gravity.is_none() && shared.0.is_changed())
+                || (self.substeps.is_none() && shared.1.is_changed()),
+            grabs: match &self.grabs {
+                Some(grabs) => grabs.is_changed() || (seen.grabs_unchecked && running),
+                None => seen.faults.grabs.is_some(),
+            },
+        };
+        if changes == Changes::default() {
+            return changes;
+        }
+        let seen = &mut *self.authored;
+        seen.stale |= changes.shape;
+        seen.scale = scale;
+        seen.mesh = mesh.or(seen.mesh);
+        if changes.shape {
+            seen.source = Some(self.cloth.source.clone());
+        }
+        if changes.fabric {
+            seen.fabric = self.fabric.as_deref().copied();
+        }
+        if changes.pins {
+            seen.pins = self.pins.as_deref().cloned();
+        }
+        seen.gravity = self.gravity.as_deref().copied();
+        seen.substeps = self.substeps.as_deref().copied();
+        changes
+    }
+
+    /// Checks the settings that hold for this cloth, its own or the shared ones.
+    pub fn check_settings(&mut self, gravity: &Shared<Gravity>, substeps: &Shared<Substeps>) {
+        let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
+        let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
+        self.authored.faults.settings = gravity.and(substeps).err();
+    }
+
+    /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.
+    pub fn check_grabs(&mut self, topology: Option<&Topology>) {
+        let result = match (&self.grabs, topology) {
+            (Some(grabs), Some(topology)) => grabs.validate(topology.triangles.len()),
+            _ => Ok(()),
+        };
+        self.authored.grabs_unchecked = topology.is_none();
+        self.authored.faults.grabs = result.err();
+    }
+}

@@ -1,0 +1,223 @@
+//! Takes changes of a cloth's authored components over into its runtime state.
+
+use std::sync::Arc;
+
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use cloth_solver::cloth::Constraints;
+use cloth_solver::constraint::Pins as SolverPins;
+use cloth_solver::contact::Contacts;
+use cloth_solver::{ClothError, Fabric, Particles, Pose};
+
+use super::anchors::{self, Anchors};
+use super::authored::{WaitsFor, Wanted, WantedItem};
+use super::placement::{Placement, Placements};
+use super::source::shape;
+use super::{ClothSkin, StepPlan};
+use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
+use crate::events::ClothRejected;
+use crate::report::report;
+use crate::settings::{Grabs, Gravity, Shared, Substeps};
+
+/// The runtime state of one cloth, as far as a change of fabric or pins touches it.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Running {
+    topology: &'static ClothTopology,
+    skin: &'static ClothSkin,
+    frame: &'static ClothFrame,
+    particles: &'static mut Particles,
+    constraints: &'static mut Constraints,
+    contacts: &'static mut Contacts,
+    anchors: &'static mut Anchors,
+}
+
+/// Everything a build reads beside the cloth itself.
+#[derive(SystemParam)]
+pub(crate) struct Surroundings<'w, 's> {
+    placements: Placements<'w, 's>,
+    meshes: Option<Res<'w, Assets<Mesh>>>,
+    gravity: Res<'w, Shared<Gravity>>,
+    substeps: Res<'w, Shared<Substeps>>,
+}
+
+/// Looks at every cloth and renews what changed, no more. In a quiet tick it only compares.
+pub(crate) fn build(
+    mut cloths: Query<(Wanted, Option<Running>)>,
+    around: Surroundings,
+    mesh_events: Option<MessageReader<AssetEvent<Mesh>>>,
+    mut modified: Local<HashSet<AssetId<Mesh>>>,
+    mut commands: Commands,
+) {
+    modified.clear();
+    if let Some(mut events) = mesh_events {
+        modified.extend(events.read().filter_map(|event| match event {
+            AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        }));
+    }
+    let shared = (&around.gravity, &around.substeps);
+    for (mut wanted, mut running) in &mut cloths {
+        let placement = around.placements.get(wanted.entity);
+        let changes = wanted.notice(placement, around.meshes.as_deref(), &modified, shared, running.is_some());
+        if changes == default() {
+            continue;
+        }
+        if changes.settings {
+            wanted.check_settings(shared.0, shared.1);
+        }
+        if changes.shape || (wanted.authored.stale && changes.fabric) {
+            wanted.build_shape(placement, &around, running.is_some(), &mut commands);
+        } else if let Some(running) = running.as_mut().filter(|_| !wanted.authored.stale) {
+            if changes.fabric {
+                wanted.authored.faults.fabric = running.change_fabric(&wanted.fabric()).err();
+            }
+            if changes.pins {
+                wanted.authored.faults.pins = running.change_pins(&wanted, &around.placements).err();
+            }
+        }
+        if changes.grabs {
+            wanted.check_grabs(running.map(|running| &*running.topology.0));
+        }
+        wanted.tell(&mut commands);
+    }
+}
+
+impl WantedItem<'_, '_> {
+    /// Builds the runtime state from nothing, or says what is wrong or waited for.
+    fn build_shape(
+        &mut self,
+        placement: Option<Placement>,
+        around: &Surroundings,
+        renew: bool,
+        commands: &mut Commands,
+    ) {
+        let placement = placement.unwrap_or(Placement { pose: Pose::IDENTITY, scale: Vec3::ONE });
+        self.authored.waits_for = None;
+        self.authored.faults.source = None;
+        self.authored.faults.fabric = self.fabric().validate().err();
+        if !placement.is_finite() {
+            self.authored.waits_for = Some(WaitsFor::FiniteTransform);
+            self.authored.faults.source = Some(not_finite("Transform", &placement));
+            return;
+        }
+        let mesh = match self.source() {
+            ClothSource::Rectangle { .. } => None,
+            ClothSource::Mesh => {
+                let mesh = self.user_mesh().and_then(|id| around.meshes.as_ref()?.get(id));
+                if mesh.is_none() {
+                    self.authored.waits_for = Some(WaitsFor::Mesh);
+                    return;
+                }
+                mesh
+            }
+        };
+        match shape(self.source(), placement.scale, mesh) {
+            Err(error) => self.authored.faults.source = Some(error),
+            Ok(_) if self.authored.faults.fabric.is_some() => {}
+            Ok((topology, skin)) => {
+                let (topology, skin) = (ClothTopology(Arc::new(topology)), ClothSkin(Arc::new(skin)));
+                match self.assemble(topology, skin, placement, &around.placements) {
+                    Err(error) => self.authored.faults.fabric = Some(error),
+                    Ok(state) => {
+                        self.authored.stale = false;
+                        let mut entity = commands.entity(self.entity);
+                        entity.try_insert(state);
+                        if renew {
+                            // What was held is no more.
+                            entity.try_remove::<Grabs>();
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// All runtime components of a cloth at rest. Wrong pins are noted and left away.
+    fn assemble(
+        &mut self,
+        topology: ClothTopology,
+        skin: ClothSkin,
+        placement: Placement,
+        placements: &Placements,
+    ) -> Result<impl Bundle + use<>, ClothError> {
+        let fabric = self.fabric();
+        let pose = placement.pose;
+        let frame = ClothFrame { pose, scale: placement.scale, before: pose, lost: false };
+        let mut particles = Particles::new(&topology, fabric.areal_density);
+        let mut constraints = Constraints::new(&topology, &fabric)?;
+        let contacts = Contacts { offset: Contacts::offset_for(&topology, &fabric), ..default() };
+        let history = ClothHistory { position: particles.position.clone() };
+        let mut anchors = Anchors::default();
+        self.authored.faults.pins = None;
+        if let Some(pins) = self.pins() {
+            let made = anchors::make(pins, &topology, &skin.0, &particles.position, &frame, placements)
+                .and_then(|(pins, anchors)| constraints.set_pins(&mut particles, pins).map(|()| anchors));
+            match made {
+                Ok(made) => anchors = made,
+                Err(error) => self.authored.faults.pins = Some(error),
+            }
+        }
+        Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, StepPlan::default()))
+    }
+
+    /// Tells what is wrong if it was not told before, and takes the refusal back if nothing is.
+    fn tell(&self, commands: &mut Commands) {
+        match (self.authored.faults.first(), self.rejection) {
+            // Compared as text, since a NaN is different from itself.
+            (Some(error), Some(known)) if error.to_string() == known.0.to_string() => {}
+            (Some(error), _) => {
+                commands.entity(self.entity).try_insert(ClothRejection(error.clone()));
+                report(commands, ClothRejected { entity: self.entity, error: error.clone() });
+            }
+            (None, Some(_)) => {
+                commands.entity(self.entity).try_remove::<ClothRejection>();
+            }
+            (None, None) => {}
+        }
+    }
+}
+
+impl RunningItem<'_, '_> {
+    /// Another fabric over the same topology: shape, speed and pins stay.
+    fn change_fabric(&mut self, fabric: &Fabric) -> Result<(), ClothError> {
+        fabric.validate()?;
+        let mut constraints = Constraints::new(&self.topology.0, fabric)?;
+        let Particles { mass, inverse_mass, .. } = Particles::new(&self.topology.0, fabric.areal_density);
+        let particles = &mut *self.particles;
+        (particles.mass, particles.inverse_mass) = (mass, inverse_mass);
+        constraints.set_pins(particles, self.constraints.pins().clone())?;
+        constraints.grabs = std::mem::take(&mut self.constraints.grabs);
+        *self.constraints = constraints;
+        self.contacts.offset = Contacts::offset_for(&self.topology.0, fabric);
+        Ok(())
+    }
+
+    /// Other pins on the same cloth. If they are refused it has none.
+    fn change_pins(&mut self, wanted: &WantedItem, placements: &Placements) -> Result<(), ClothError> {
+        let made = match wanted.pins() {
+            Some(pins) => {
+                let position = &self.particles.position;
+                anchors::make(pins, &self.topology.0, &self.skin.0, position, self.frame, placements)
+            }
+            None => Ok((SolverPins::default(), Anchors::default())),
+        };
+        let (pins, anchors, result) = match made {
+            Ok((pins, anchors)) => (pins, anchors, Ok(())),
+            Err(error) => (SolverPins::default(), Anchors::default(), Err(error)),
+        };
+        *self.anchors = anchors;
+        self.constraints.set_pins(&mut self.particles, pins)?;
+        result
+    }
+}
+
+/// The error for a transform that is not finite.
+pub(crate) fn not_finite(field: &'static str, placement: &Placement) -> ClothError {
+    let Placement { pose, scale } = placement;
+    let numbers = pose.position.to_array().into_iter().chain(pose.rotation.to_array()).chain(scale.to_array());
+    let value = numbers.into_iter().find(|x| !x.is_finite()).unwrap_or(f32::NAN);
+    ClothError::OutOfRange { field, value, allowed: "finite numbers, and a rotation that is not zero" }
+}

@@ -1,0 +1,163 @@
+//! Colliders: from authored shapes to the solver's, and where each stands in this tick.
+
+use bevy::prelude::*;
+use cloth_solver::contact::{Collider, Contacts, Shape};
+use cloth_solver::{ClothError, Fabric, Motion, Pose};
+
+use super::build::not_finite;
+use super::placement::{Placement, Placements};
+use super::{StepPlan, relative};
+use crate::cloth::ClothFrame;
+use crate::collider::{ClothCollider, ColliderFriction};
+use crate::events::ColliderRejected;
+use crate::report::report;
+
+/// A scale that changes by less than this part of itself is the same scale.
+const SCALE_TOLERANCE: f32 = 1e-4;
+
+/// What became of a [`ClothCollider`].
+#[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct ColliderState {
+    seen: Option<(ClothCollider, Vec3)>,
+    friction: Option<ColliderFriction>,
+    shape: Option<Shape>,
+    /// Where it stood at the last tick, once it was seen there.
+    pose: Option<Pose>,
+    /// Its transform was not finite when last looked at.
+    lost: bool,
+}
+
+/// Makes the shapes of colliders that are new or changed.
+pub(crate) fn build(
+    mut colliders: Query<(Entity, Ref<ClothCollider>, Option<Ref<ColliderFriction>>, &mut ColliderState)>,
+    placements: Placements,
+    mut commands: Commands,
+) {
+    for (entity, collider, friction, mut state) in &mut colliders {
+        let placement = placements.get(entity);
+        let lost = placement.filter(|placement| !placement.is_finite());
+        if lost.is_some() != state.lost {
+            state.lost = lost.is_some();
+            if let Some(placement) = lost {
+                report(&mut commands, ColliderRejected { entity, error: not_finite("Transform", &placement) });
+            }
+        }
+        let scale = match (placement.filter(Placement::is_finite), &state.seen) {
+            (Some(placement), _) => placement.scale,
+            (None, Some((_, scale))) => *scale,
+            (None, None) => continue,
+        };
+        let seen = state.seen.as_ref();
+        let reshaped = seen.is_none_or(|(known, known_scale)| {
+            (scale - known_scale).abs().max_element() > SCALE_TOLERANCE * known_scale.abs().max_element()
+                || (collider.is_changed() && *known != *collider)
+        });
+        let rubbed = match (&friction, &state.friction) {
+            (Some(now), Some(seen)) => now.is_changed() && **now != *seen,
+            (now, seen) => now.is_some() != seen.is_some(),
+        };
+        if !reshaped && !rubbed {
+            continue;
+        }
+        state.seen = Some((collider.clone(), scale));
+        state.friction = friction.as_deref().copied();
+        let made = shape(&collider, scale).and_then(|shape| state.check_friction().map(|()| shape));
+        state.shape = made.as_ref().ok().cloned();
+        if let Err(error) = made {
+            report(&mut commands, ColliderRejected { entity, error });
+        }
+    }
+}
+
+impl ColliderState {
+    fn check_friction(&self) -> Result<(), ClothError> {
+        let friction = self.friction.map_or(0.0, |friction| friction.0);
+        ClothError::check("ColliderFriction", friction, 0.0..=10.0, "0..=10")
+    }
+}
+
+fn shape(collider: &ClothCollider, scale: Vec3) -> Result<Shape, ClothError> {
+    let size = scale.abs();
+    match collider {
+        ClothCollider::Sphere { radius } => Shape::sphere(radius * uniform(size)?),
+        ClothCollider::Capsule { radius, length } => {
+            let factor = uniform(size)?;
+            Shape::capsule(radius * factor, length * factor)
+        }
+        ClothCollider::Cuboid { size: edges } => Shape::cuboid(*edges * size),
+        ClothCollider::Pyramid { base, height } => Shape::pyramid(*base * Vec2::new(size.x, size.z), height * size.y),
+        ClothCollider::Convex { planes } => {
+            // A point p of the scaled solid is inside where n · (p / scale) <= w.
+            let planes = planes.iter().map(|plane| scaled(*plane, scale)).collect::<Result<Vec<_>, _>>()?;
+            Shape::convex(&planes)
+        }
+        ClothCollider::Ground => Ok(Shape::HalfSpace),
+    }
+}
+
+fn uniform(scale: Vec3) -> Result<f32, ClothError> {
+    let odd = scale.to_array().into_iter().find(|axis| (axis - scale.x).abs() > SCALE_TOLERANCE * scale.x);
+    let allowed = "the same on all axes for a sphere or capsule";
+    odd.map_or(Ok(scale.x), |value| Err(ClothError::OutOfRange { field: "Transform::scale", value, allowed }))
+}
+
+fn scaled(plane: Vec4, scale: Vec3) -> Result<(Vec3, f32), ClothError> {
+    let normal = plane.truncate() / scale;
+    let length = normal.length();
+    if !(length.is_finite() && length > 0.0) {
+        let allowed = "planes with a normal that is finite and not zero";
+        return Err(ClothError::OutOfRange { field: "ClothCollider::Convex.planes", value: length, allowed });
+    }
+    Ok((normal / length, plane.w / length))
+}
+
+/// One collider in this tick, in the world.
+pub(crate) struct Placed {
+    entity: Entity,
+    shape: Shape,
+    from: Pose,
+    to: Pose,
+    friction: Option<f32>,
+}
+
+/// Finds where every collider stands, and gives each cloth its colliders as seen from its own frame.
+pub(crate) fn advance(
+    mut colliders: Query<(Entity, &mut ColliderState), With<ClothCollider>>,
+    mut cloths: Query<(&mut Contacts, &ClothFrame, Option<&Fabric>, &StepPlan)>,
+    placements: Placements,
+    mut placed: Local<Vec<Placed>>,
+) {
+    placed.clear();
+    for (entity, mut state) in &mut colliders {
+        let now = placements.get(entity).filter(Placement::is_finite).map(|placement| placement.pose);
+        let (Some(to), Some(shape)) = (now.or(state.pose), &state.shape) else { continue };
+        let (shape, friction) = (shape.clone(), state.friction.map(|friction| friction.0));
+        placed.push(Placed { entity, shape, from: state.pose.unwrap_or(to), to, friction });
+        state.pose = Some(to);
+    }
+    // The order in a query depends on what else was spawned, and the order of contacts on it down to the last bit.
+    placed.sort_unstable_by_key(|collider| collider.entity);
+    for (mut contacts, frame, fabric, plan) in &mut cloths {
+        if plan.substeps == 0 || (placed.is_empty() && contacts.colliders.is_empty()) {
+            continue;
+        }
+        let fabric_friction = fabric.copied().unwrap_or_default().friction;
+        contacts.set_colliders(placed.iter().map(|collider| Collider {
+            shape: collider.shape.clone(),
+            motion: seen_from(frame, collider),
+            friction: collider.friction.unwrap_or(fabric_friction),
+        }));
+        if placed.is_empty() {
+            (contacts.touching, contacts.deepest) = (0, 0.0);
+        }
+    }
+}
+
+fn seen_from(frame: &ClothFrame, collider: &Placed) -> Motion {
+    let to = relative(&frame.pose, &collider.to);
+    if collider.from == collider.to {
+        return Motion::at_rest(to);
+    }
+    Motion { from: relative(&frame.pose, &collider.from), to }
+}

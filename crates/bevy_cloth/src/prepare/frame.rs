@@ -1,0 +1,200 @@
+//! Brings each cloth's frame, pins and hands up to this tick, and sets what acts on it.
+
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+use cloth_solver::cloth::{Constraints, Substep, Tick};
+use cloth_solver::constraint::Grab as SolverGrab;
+use cloth_solver::contact::Contacts;
+use cloth_solver::{Fabric, Particles, Pose, Soa3};
+
+use super::Anchors;
+use super::placement::{Placement, Placements};
+use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
+use crate::events::{ClothRecovered, ClothReset, ResetCloth};
+use crate::fault;
+use crate::report::report;
+use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::step::ClothTick;
+
+/// What one cloth does in this tick.
+#[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct StepPlan {
+    /// How many substeps; 0 if it stands in this tick.
+    pub substeps: u32,
+    /// How many the load asked for in the last tick it took part in.
+    loaded: u32,
+    /// Where each hand pulled to at the end of the last tick, in the world.
+    hands: Vec<(u32, Vec3)>,
+}
+
+impl StepPlan {
+    /// Finds the number of substeps from the load of the last tick. Where the solver had to add inertia to a particle
+    /// to keep it stable, by a factor f, √f times as many substeps would have made do without; a quiet cloth comes
+    /// back to its budget one by one.
+    fn plan_substeps(&mut self, budget: &Substeps, particles: &Particles) {
+        let inertia = particles.inverse_mass.iter().zip(&particles.mass).map(|(w, mass)| w * mass);
+        let smallest = inertia.fold(1.0_f32, |least, part| if part > 0.0 { least.min(part) } else { least });
+        let asked = if smallest < 1.0 - 1e-4 {
+            (self.loaded.max(budget.count) as f32 / smallest.sqrt()).ceil() as u32
+        } else {
+            self.loaded.saturating_sub(1)
+        };
+        self.loaded = asked.min(budget.max).max(budget.count);
+        self.substeps = self.loaded;
+    }
+
+    /// What this cloth does in the substep at hand, if it has so many.
+    pub fn substep(&self, tick: &ClothTick) -> Option<Substep> {
+        (tick.substep < self.substeps).then(|| Tick { dt: tick.dt, substeps: self.substeps }.substep(tick.substep))
+    }
+}
+
+/// The runtime state of one cloth that takes part in this tick.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Ticking {
+    entity: Entity,
+    topology: &'static ClothTopology,
+    fabric: Option<&'static Fabric>,
+    frame: &'static mut ClothFrame,
+    particles: &'static mut Particles,
+    constraints: &'static mut Constraints,
+    history: &'static mut ClothHistory,
+    anchors: &'static mut Anchors,
+    plan: &'static mut StepPlan,
+    grabs: Option<&'static Grabs>,
+    substeps: Option<&'static Substeps>,
+}
+
+/// Moves frames, pins and hands, keeps the shape for drawing between ticks, and plans the substeps.
+pub(crate) fn advance(
+    mut cloths: Query<Ticking, Without<ClothRejection>>,
+    mut rejected: Query<&mut StepPlan, With<ClothRejection>>,
+    placements: Placements,
+    substeps: Res<Shared<Substeps>>,
+    tick: Res<ClothTick>,
+    mut commands: Commands,
+) {
+    for mut plan in &mut rejected {
+        plan.substeps = 0;
+    }
+    for mut cloth in &mut cloths {
+        let held = cloth.grabs.is_some_and(|grabs| !grabs.0.is_empty());
+        if tick.still && !held {
+            cloth.plan.substeps = 0;
+            continue;
+        }
+        let lost = cloth.frame.lost;
+        cloth.move_frame(placements.get(cloth.entity));
+        if !cloth.particles.is_finite() {
+            cloth.recover();
+            report(&mut commands, ClothRecovered { entity: cloth.entity });
+        } else if cloth.frame.lost && !lost {
+            report(&mut commands, ClothRecovered { entity: cloth.entity });
+        }
+        cloth.history.position.copy_from(&cloth.particles.position);
+        let frame = *cloth.frame;
+        cloth.anchors.advance(&frame, &placements, cloth.constraints.pin_frames_mut());
+        cloth.move_hands(&frame);
+        cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps), &cloth.particles);
+    }
+}
+
+impl TickingItem<'_, '_> {
+    /// Moves the frame to where the entity stands now. Everything that is not pinned keeps its place in the world.
+    fn move_frame(&mut self, placement: Option<Placement>) {
+        let frame = &mut *self.frame;
+        let finite = placement.filter(Placement::is_finite);
+        frame.lost = placement.is_some() && finite.is_none();
+        frame.before = frame.pose;
+        frame.pose = finite.map_or(frame.pose, |placement| placement.pose);
+        if frame.pose != frame.before {
+            let step = frame.step();
+            let particles = &mut *self.particles;
+            express(&mut particles.position, &step);
+            express(&mut particles.previous, &step);
+            express(&mut self.history.position, &step);
+            express(&mut particles.velocity, &Pose::new(Vec3::ZERO, step.rotation));
+        }
+    }
+
+    fn recover(&mut self) {
+        let fabric = self.fabric.copied().unwrap_or_default();
+        fault::recover(&self.topology.0, &fabric, &mut self.particles, &mut self.constraints, &self.history);
+    }
+
+    /// Hands the grabs over to the solver in the cloth's frame, moving from where they pulled a tick ago.
+    fn move_hands(&mut self, frame: &ClothFrame) {
+        let (solver, plan) = (&mut self.constraints.grabs, &mut *self.plan);
+        solver.clear();
+        let Some(grabs) = self.grabs else {
+            plan.hands.clear();
+            return;
+        };
+        for grab in &grabs.0 {
+            let Some(&particles) = self.topology.triangles.get(grab.triangle as usize) else { continue };
+            let before = plan.hands.iter().find(|(hand, _)| *hand == grab.hand).map_or(grab.target, |(_, at)| *at);
+            solver.push(SolverGrab {
+                particles,
+                weights: grab.weights.to_array(),
+                from: frame.to_local(before),
+                to: frame.to_local(grab.target),
+                stiffness: grab.stiffness,
+                max_force: grab.max_force,
+            });
+        }
+        plan.hands.clear();
+        plan.hands.extend(grabs.0.iter().map(|grab| (grab.hand, grab.target)));
+    }
+}
+
+/// Takes every point from the frame that `step` places to the frame it is placed in.
+fn express(points: &mut Soa3, step: &Pose) {
+    for i in 0..points.len() {
+        points.set(i, step.point(points.get(i)));
+    }
+}
+
+/// Sets gravity, in the cloth's frame.
+pub(crate) fn weigh(
+    mut cloths: Query<(&mut Particles, &ClothFrame, Option<&Gravity>, &StepPlan)>,
+    shared: Res<Shared<Gravity>>,
+    tick: Res<ClothTick>,
+) {
+    for (mut particles, frame, gravity, plan) in &mut cloths {
+        if plan.substeps > 0 {
+            let gravity = if tick.still { Vec3::ZERO } else { gravity.unwrap_or(&shared).0 };
+            particles.acceleration = frame.pose.rotation.conjugate() * gravity;
+        }
+    }
+}
+
+/// Puts a cloth back to its rest pose, pinned particles to where their pins are.
+pub(crate) fn reset(particles: &mut Particles, history: &mut ClothHistory, rest: &[Vec3], constraints: &Constraints) {
+    for (slot, rest) in rest.iter().enumerate() {
+        particles.position.set(slot, *rest);
+    }
+    let pins = constraints.pins();
+    for pin in &pins.pins {
+        if let Some(motion) = pins.frames.get(pin.frame as usize) {
+            particles.position.set(pin.particle as usize, motion.to.point(pin.local));
+        }
+    }
+    particles.previous.copy_from(&particles.position);
+    history.position.copy_from(&particles.position);
+    particles.velocity.fill(Vec3::ZERO);
+}
+
+/// Answers [`ResetCloth`].
+pub(crate) fn on_reset(
+    asked: On<ResetCloth>,
+    mut cloths: Query<(&mut Particles, &mut ClothHistory, &mut Contacts, &Constraints, &ClothTopology)>,
+    mut commands: Commands,
+) {
+    if let Ok((mut particles, mut history, mut contacts, constraints, topology)) = cloths.get_mut(asked.entity) {
+        reset(&mut particles, &mut history, &topology.rest, constraints);
+        (contacts.touching, contacts.deepest) = (0, 0.0);
+        report(&mut commands, ClothReset { entity: asked.entity });
+    }
+}

@@ -1,0 +1,54 @@
+//! From authored components to runtime state, and the state of each tick.
+
+mod anchors;
+mod authored;
+mod build;
+mod collider;
+mod frame;
+mod placement;
+mod select;
+mod source;
+mod undo;
+
+use bevy::prelude::*;
+use cloth_solver::Pose;
+
+use crate::schedule::{ClothSchedule, ClothSystems};
+
+pub(crate) use anchors::Anchors;
+pub(crate) use authored::Authored;
+pub(crate) use collider::ColliderState;
+pub(crate) use frame::{StepPlan, reset};
+#[cfg(feature = "render")]
+pub(crate) use placement::Placements;
+pub(crate) use source::Skin;
+
+/// `frame⁻¹ ∘ other`, exactly the identity if both are the same: what did not move must not move by a rounding.
+pub(crate) fn relative(frame: &Pose, other: &Pose) -> Pose {
+    if frame == other { Pose::IDENTITY } else { frame.inverse_pose(other) }
+}
+
+/// What drawing and pinning need of the mesh a running cloth was made from.
+#[derive(Component, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct ClothSkin(pub std::sync::Arc<Skin>);
+
+/// The mesh a cloth draws, and the one its entity had before.
+#[derive(Component, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct DrawnMesh {
+    /// The user's mesh. Held so that the cloth can be built anew from it, and given back.
+    pub source: Option<Handle<Mesh>>,
+    /// The cloth's own.
+    pub drawn: Handle<Mesh>,
+}
+
+/// Adds the systems of this folder.
+pub(crate) fn plugin(app: &mut App, schedule: impl bevy::ecs::schedule::ScheduleLabel) {
+    app.add_systems(schedule, (build::build, collider::build).in_set(ClothSystems::Build))
+        .add_systems(ClothSchedule, (frame::advance, collider::advance).chain().in_set(ClothSystems::Prepare))
+        .add_systems(ClothSchedule, frame::weigh.in_set(ClothSystems::Forces))
+        .add_observer(frame::on_reset)
+        .add_observer(undo::on_cloth_removed)
+        .add_observer(undo::on_collider_removed);
+}

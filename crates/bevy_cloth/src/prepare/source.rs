@@ -1,0 +1,97 @@
+//! From a [`ClothSource`] to the solver's topology and to what drawing needs of the mesh.
+
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues};
+use bevy::prelude::*;
+use cloth_solver::topology::MeshSource;
+use cloth_solver::{ClothError, Topology};
+
+use crate::cloth::ClothSource;
+
+/// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Skin {
+    /// Render vertices of each triangle, in the order of the topology's triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates, or empty.
+    pub uvs: Vec<Vec2>,
+    /// Vertex colours, or empty.
+    pub colors: Vec<[f32; 4]>,
+}
+
+/// Topology and skin of `source` under `scale`. `mesh` is needed for [`ClothSource::Mesh`].
+pub(crate) fn shape(source: &ClothSource, scale: Vec3, mesh: Option<&Mesh>) -> Result<(Topology, Skin), ClothError> {
+    match (source, mesh) {
+        (ClothSource::Rectangle { size, resolution }, _) => {
+            // The sign is kept out: a mirrored flat rectangle is the same rectangle.
+            let topology = Topology::rectangle(*size * scale.truncate().abs(), *resolution)?;
+            let skin = rectangle_skin(&topology);
+            Ok((topology, skin))
+        }
+        (ClothSource::Mesh, Some(mesh)) => from_mesh(mesh, scale),
+        (ClothSource::Mesh, None) => Err(ClothError::NoTriangles { field: "ClothSource::Mesh" }),
+    }
+}
+
+fn rectangle_skin(topology: &Topology) -> Skin {
+    let mut vertex = vec![0; topology.slots()];
+    for (index, slot) in topology.vertex_particle.iter().enumerate() {
+        vertex[*slot as usize] = index as u32;
+    }
+    let (min, max) = bounds(topology);
+    let size = (max - min).max(Vec3::splat(f32::MIN_POSITIVE));
+    let uv = |slot: &u32| {
+        let p = topology.rest[*slot as usize];
+        Vec2::new((p.x - min.x) / size.x, (max.y - p.y) / size.y)
+    };
+    Skin {
+        triangles: topology.triangles.iter().map(|t| t.map(|slot| vertex[slot as usize])).collect(),
+        uvs: topology.vertex_particle.iter().map(uv).collect(),
+        colors: Vec::new(),
+    }
+}
+
+/// Lower and upper bounds of the rest positions of all particles, m.
+pub(crate) fn bounds(topology: &Topology) -> (Vec3, Vec3) {
+    let rest = topology.particles().map(|slot| topology.rest[slot as usize]);
+    rest.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
+}
+
+fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
+    let not_a_list = |reason: String| ClothError::NotTriangleList { reason };
+    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+        return Err(not_a_list(format!("its primitive topology is {:?}", mesh.primitive_topology())));
+    }
+    let positions = match mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION) {
+        Ok(Some(VertexAttributeValues::Float32x3(positions))) => positions,
+        Ok(Some(_)) => return Err(not_a_list("its positions are not three floats each".into())),
+        Ok(None) => return Err(not_a_list("it has no positions".into())),
+        Err(error) => return Err(not_a_list(format!("{error}; keep it with `RenderAssetUsages::MAIN_WORLD`"))),
+    };
+    let positions: Vec<Vec3> = positions.iter().map(|p| Vec3::from_array(*p) * scale).collect();
+    let mut indices: Vec<u32> = match mesh.try_indices_option() {
+        Ok(Some(Indices::U32(indices))) => indices.clone(),
+        Ok(Some(Indices::U16(indices))) => indices.iter().map(|i| u32::from(*i)).collect(),
+        _ => (0..positions.len() as u32).collect(),
+    };
+    if indices.len() % 3 != 0 {
+        return Err(not_a_list(format!("it has {} indices, not a multiple of 3", indices.len())));
+    }
+    if scale.x * scale.y * scale.z < 0.0 {
+        // Mirrored: the other side of every triangle is its front.
+        indices.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
+    }
+    let uvs: Vec<Vec2> = match mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_0) {
+        Ok(Some(VertexAttributeValues::Float32x2(uvs))) => uvs.iter().map(|uv| Vec2::from_array(*uv)).collect(),
+        _ => Vec::new(),
+    };
+    let colors = match mesh.try_attribute_option(Mesh::ATTRIBUTE_COLOR) {
+        Ok(Some(VertexAttributeValues::Float32x4(colors))) => colors.clone(),
+        Ok(Some(VertexAttributeValues::Unorm8x4(colors))) => {
+            colors.iter().map(|color| color.map(|channel| f32::from(channel) / 255.0)).collect()
+        }
+        _ => Vec::new(),
+    };
+    let topology = Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices: &indices })?;
+    let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    Ok((topology, Skin { triangles, uvs, colors }))
+}

@@ -1,0 +1,46 @@
+//! Tells the user: an event at the entity, a message, and a line in the log.
+
+use bevy::prelude::*;
+
+use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected};
+
+/// What can be told.
+pub(crate) trait Report: EntityEvent + Message + Clone + for<'a> Event<Trigger<'a>: Default> {
+    /// Writes the line in the log; `name` is the entity as the user knows it.
+    fn log(&self, name: &str);
+}
+
+impl Report for ClothRejected {
+    fn log(&self, name: &str) {
+        warn!("cloth {name} is out of the simulation: {}", self.error);
+    }
+}
+
+impl Report for ColliderRejected {
+    fn log(&self, name: &str) {
+        warn!("collider {name} was refused: {}", self.error);
+    }
+}
+
+impl Report for ClothRecovered {
+    fn log(&self, name: &str) {
+        warn!("cloth {name} had a number that is not finite and is back in its last finite shape");
+    }
+}
+
+impl Report for ClothReset {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} was put back to its rest pose");
+    }
+}
+
+/// Tells `report` once the present system is done.
+pub(crate) fn report(commands: &mut Commands, report: impl Report) {
+    commands.queue(move |world: &mut World| {
+        let entity = report.event_target();
+        let name = world.get::<Name>(entity).map_or(entity.to_string(), |name| format!("`{name}` ({entity})"));
+        report.log(&name);
+        world.write_message(report.clone());
+        world.trigger(report);
+    });
+}

@@ -1,0 +1,155 @@
+//! When things happen: the plugin, its schedules, and the sets a user can put systems between.
+
+use bevy::ecs::message::signal_message_update_system;
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
+use bevy::prelude::*;
+
+use crate::clock::{self, RunsInFixedLoop};
+use crate::cloth::Cloth;
+use crate::collider::{ClothCollider, ColliderFriction};
+use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected};
+use crate::pins::Pins;
+use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::stats::ClothStats;
+use crate::step::ClothTick;
+use crate::{ClothClock, Fabric, fault, prepare, stats, step};
+
+/// Adds cloth to an app: everything this crate does but the diagnostics.
+///
+/// Works with `MinimalPlugins`. What needs assets, a renderer or pointers runs only where those are.
+#[derive(Clone, Copy, Debug)]
+pub struct ClothPlugin {
+    schedule: InternedScheduleLabel,
+}
+
+impl ClothPlugin {
+    /// Simulates in `schedule`. Ticks have the length of the fixed timestep in any case; in a schedule that runs once
+    /// a frame there are as many of them as the frame is long.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Default for ClothPlugin {
+    /// Simulates in [`FixedPostUpdate`].
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+/// One tick of all clothes. Runs zero or more times in the schedule given to [`ClothPlugin`], on one thread.
+///
+/// Within it [`Time`] is the cloth clock: its delta is the length of a tick.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ClothSchedule;
+
+/// One substep of all clothes. Runs in [`ClothSystems::Substep`] as often as the cloth with most substeps needs, on
+/// one thread.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ClothSubstepSchedule;
+
+/// The phases of a tick, in order. A system put between two of them runs between them.
+///
+/// ```text
+/// Build ─ Advance ─▶ ClothSchedule × ticks
+///                    Prepare ─ Forces ─ Substep ─ Tear ─ Burn ─ Writeback
+///                                       └▶ ClothSubstepSchedule × substeps
+///                                          Integrate ─ Solve ─ Collide
+/// ```
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSystems {
+    /// Takes changes of authored components over into the runtime state, also while the clock is paused. In the
+    /// plugin's schedule.
+    Build,
+    /// Advances the clock and runs [`ClothSchedule`]. In the plugin's schedule; order a physics engine before it.
+    Advance,
+    /// Brings frames, pins, grabs and colliders up to this tick. In [`ClothSchedule`].
+    Prepare,
+    /// Sets the accelerations and forces of this tick. Systems that push cloth
+    /// ([`Particles::add_force`](crate::Particles::add_force)) go here. In [`ClothSchedule`].
+    Forces,
+    /// Runs [`ClothSubstepSchedule`]. In [`ClothSchedule`].
+    Substep,
+    /// Predicts positions. In [`ClothSubstepSchedule`].
+    Integrate,
+    /// Solves the constraints. In [`ClothSubstepSchedule`].
+    Solve,
+    /// Pushes particles out of colliders. In [`ClothSubstepSchedule`].
+    Collide,
+    /// Takes apart what is loaded beyond its strength. Empty as yet. In [`ClothSchedule`].
+    Tear,
+    /// Burns what is alight. Empty as yet. In [`ClothSchedule`].
+    Burn,
+    /// Mends faults and takes statistics. In [`ClothSchedule`].
+    Writeback,
+    /// Finds how far the shape drawn lies between two ticks and, with the feature `render`, writes the meshes. In
+    /// [`PostUpdate`], after the transforms are propagated.
+    Draw,
+}
+
+impl Plugin for ClothPlugin {
+    fn build(&self, app: &mut App) {
+        let fixed = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        app.init_resource::<Time<ClothClock>>()
+            .insert_resource(RunsInFixedLoop(fixed.contains(&self.schedule)))
+            .init_resource::<ClothTick>()
+            .init_resource::<Shared<Gravity>>()
+            .init_resource::<Shared<Substeps>>()
+            .add_message::<ClothRejected>()
+            .add_message::<ColliderRejected>()
+            .add_message::<ClothRecovered>()
+            .add_message::<ClothReset>();
+        register_types(app);
+        add_schedules(app, self.schedule);
+        prepare::plugin(app, self.schedule);
+        #[cfg(feature = "render")]
+        crate::render::plugin(app);
+        #[cfg(feature = "picking")]
+        crate::picking::plugin(app);
+    }
+}
+
+fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
+    use ClothSystems::*;
+    for label in [ClothSchedule.intern(), ClothSubstepSchedule.intern()] {
+        // Handing a few microseconds of work to another thread costs more than the work.
+        app.init_schedule(label).edit_schedule(label, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    }
+    app.configure_sets(schedule, (Build, Advance).chain())
+        .configure_sets(ClothSchedule, (Prepare, Forces, Substep, Tear, Burn, Writeback).chain())
+        .configure_sets(ClothSubstepSchedule, (Integrate, Solve, Collide).chain())
+        .add_systems(schedule, step::advance.in_set(Advance).before(signal_message_update_system))
+        .add_systems(ClothSchedule, (step::hold_still, step::run_substeps).chain().in_set(Substep))
+        .add_systems(ClothSchedule, (fault::mend, stats::measure).chain().in_set(Writeback))
+        .add_systems(
+            ClothSubstepSchedule,
+            (step::integrate.in_set(Integrate), step::solve.in_set(Solve), step::collide.in_set(Collide)),
+        )
+        .configure_sets(PostUpdate, Draw.after(TransformSystems::Propagate))
+        .add_systems(PostUpdate, clock::interpolate.in_set(Draw));
+}
+
+fn register_types(app: &mut App) {
+    app.register_type::<Cloth>()
+        .register_type::<Fabric>()
+        .register_type_data::<Fabric, ReflectComponent>()
+        .register_type_data::<Fabric, ReflectDefault>()
+        .register_type::<Pins>()
+        .register_type::<ClothCollider>()
+        .register_type::<ColliderFriction>()
+        .register_type::<Gravity>()
+        .register_type::<Shared<Gravity>>()
+        .register_type::<Substeps>()
+        .register_type::<Shared<Substeps>>()
+        .register_type::<Grabs>()
+        .register_type::<ClothStats>()
+        .register_type::<Time<ClothClock>>();
+}

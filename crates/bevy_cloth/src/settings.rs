@@ -1,0 +1,122 @@
+//! Settings that a cloth has as a component, or shares with all others as a resource.
+
+use bevy::prelude::*;
+use cloth_solver::ClothError;
+
+/// A value for every cloth that has no component of the type `T` of its own.
+///
+/// The plugin inserts `Shared<Gravity>`, `Shared<Substeps>` and, with the feature `render`, `Shared<ClothColoring>`.
+/// (One type cannot be both: in Bevy 0.19 a resource is a component that may exist only once.)
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Default, Clone, Debug, PartialEq)]
+pub struct Shared<T: Clone + core::fmt::Debug + Default + PartialEq>(pub T);
+
+/// Acceleration that acts on every particle, in world axes, m/s²; each axis −10,000 to 10,000. Default (0, −9.81, 0).
+///
+/// A component on a cloth overrides the resource [`Shared<Gravity>`].
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct Gravity(pub Vec3);
+
+impl Gravity {
+    pub(crate) fn validate(&self) -> Result<(), ClothError> {
+        let mut axes = self.0.to_array().into_iter();
+        axes.try_for_each(|axis| ClothError::check("Gravity", axis, -1e4..=1e4, "-10,000..=10,000 m/s² on each axis"))
+    }
+}
+
+impl Default for Gravity {
+    fn default() -> Self {
+        Self(Vec3::new(0.0, -9.81, 0.0))
+    }
+}
+
+/// Into how many substeps a tick is divided: the budget that buys stiffness.
+///
+/// A component on a cloth overrides the resource [`Shared<Substeps>`].
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct Substeps {
+    /// Substeps in a quiet tick, 1 to 200. Default 10.
+    pub count: u32,
+    /// The solver may raise the number up to this where the load in the cloth asks for it, 1 to 200. Default 40.
+    /// Below `count` it has no effect.
+    pub max: u32,
+}
+
+impl Substeps {
+    pub(crate) fn validate(&self) -> Result<(), ClothError> {
+        ClothError::check("Substeps::count", self.count as f32, 1.0..=200.0, "1..=200")?;
+        ClothError::check("Substeps::max", self.max as f32, 1.0..=200.0, "1..=200")
+    }
+}
+
+impl Default for Substeps {
+    fn default() -> Self {
+        Self { count: 10, max: 40 }
+    }
+}
+
+/// Hands on a cloth: each pulls a point of one triangle towards a target. Picking inserts it while the pointer holds
+/// the cloth; any system may do the same.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct Grabs(pub Vec<Grab>);
+
+impl Grabs {
+    /// Checks every hand against a cloth of so many triangles.
+    pub(crate) fn validate(&self, triangles: usize) -> Result<(), ClothError> {
+        self.0.iter().try_for_each(|grab| grab.validate(triangles))
+    }
+}
+
+/// One hand on a cloth: a stiff spring that never pulls harder than it may.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub struct Grab {
+    /// Tells the hands on one cloth apart, so that each is known again from tick to tick. Any number that is not
+    /// taken; picking counts down from the largest.
+    pub hand: u32,
+    /// The triangle held: index into the triangles of the cloth's [`ClothTopology`](crate::ClothTopology).
+    pub triangle: u32,
+    /// Barycentric weights of the point held; they sum to 1.
+    pub weights: Vec3,
+    /// Where the point is pulled to, in the world, m.
+    pub target: Vec3,
+    /// Stiffness of the spring, N/m; 0.001 to 10,000,000. Default 200.
+    pub stiffness: f32,
+    /// The hand never pulls harder than this, N; 0 to 1,000,000. Default 20.
+    pub max_force: f32,
+}
+
+impl Grab {
+    fn validate(&self, triangles: usize) -> Result<(), ClothError> {
+        let Self { triangle, weights, target, stiffness, max_force, hand: _ } = *self;
+        if triangle as usize >= triangles {
+            let allowed = "a triangle of the cloth";
+            return Err(ClothError::OutOfRange { field: "Grab::triangle", value: triangle as f32, allowed });
+        }
+        for weight in weights.to_array() {
+            ClothError::check("Grab::weights", weight, -0.01..=1.01, "0..=1 each, with the sum 1")?;
+        }
+        ClothError::check("Grab::weights", weights.element_sum(), 0.99..=1.01, "0..=1 each, with the sum 1")?;
+        for axis in target.to_array() {
+            ClothError::check("Grab::target", axis, f32::MIN..=f32::MAX, "finite numbers of metres")?;
+        }
+        ClothError::check("Grab::stiffness", stiffness, 1e-3..=1e7, "0.001..=10,000,000 N/m")?;
+        ClothError::check("Grab::max_force", max_force, 0.0..=1e6, "0..=1,000,000 N")
+    }
+}
+
+impl Default for Grab {
+    fn default() -> Self {
+        Self {
+            hand: 0,
+            triangle: 0,
+            weights: Vec3::splat(1.0 / 3.0),
+            target: Vec3::ZERO,
+            stiffness: 200.0,
+            max_force: 20.0,
+        }
+    }
+}

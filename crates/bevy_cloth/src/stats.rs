@@ -1,0 +1,50 @@
+//! What a cloth is doing, in numbers, for those that ask.
+
+use bevy::prelude::*;
+use cloth_solver::cloth::Constraints;
+use cloth_solver::contact::Contacts;
+use cloth_solver::{Particles, measure};
+
+use crate::cloth::ClothTopology;
+use crate::prepare::StepPlan;
+
+/// What a cloth is doing, in numbers. Spawn it beside [`Cloth`](crate::Cloth) to have it measured after every tick;
+/// without it nothing is measured. Writing to it has no effect.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothStats {
+    /// Number of particles.
+    pub particles: u32,
+    /// Number of triangles.
+    pub triangles: u32,
+    /// Constraints solved in each substep.
+    pub constraints: u32,
+    /// Particles that touched a collider in the last substep.
+    pub contacts: u32,
+    /// Substeps of the last tick.
+    pub substeps: u32,
+    /// Largest strain of the weave, dimensionless.
+    pub largest_strain: f32,
+    /// Root mean square of the particles' speeds, weighed by mass, m/s.
+    pub rms_speed: f32,
+    /// Kinetic energy, J.
+    pub kinetic_energy: f64,
+}
+
+/// Measures the clothes that ask for it.
+pub(crate) fn measure(
+    mut cloths: Query<(&mut ClothStats, &ClothTopology, &Particles, &Constraints, &Contacts, &StepPlan)>,
+) {
+    for (mut stats, topology, particles, constraints, contacts, plan) in &mut cloths {
+        *stats = ClothStats {
+            particles: topology.particle_count() as u32,
+            triangles: topology.triangles.len() as u32,
+            constraints: constraints.count() as u32,
+            contacts: contacts.touching,
+            substeps: plan.substeps,
+            largest_strain: measure::largest_strain(topology, particles),
+            rms_speed: measure::rms_speed(topology, particles),
+            kinetic_energy: measure::kinetic_energy(particles),
+        };
+    }
+}

@@ -1,0 +1,116 @@
+//! The tick: the clock, the substep loop, and what is done after it.
+
+use std::time::Duration;
+
+use bevy::ecs::query::QueryState;
+use bevy::prelude::*;
+use cloth_solver::cloth::Constraints;
+use cloth_solver::contact::{self, Contacts};
+use cloth_solver::method::xpbd;
+use cloth_solver::Particles;
+
+use crate::clock::ClothClock;
+use crate::prepare::StepPlan;
+use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
+use crate::settings::Grabs;
+
+/// The tick at hand.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct ClothTick {
+    /// Its length, s.
+    pub dt: f32,
+    /// Time stands and only what is held by a hand moves: no force acts, no speed is kept, the clock does not
+    /// advance.
+    pub still: bool,
+    /// The substep at hand.
+    pub substep: u32,
+}
+
+/// Advances the clock and runs [`ClothSchedule`] once for each tick that is due.
+pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
+    let delta = world.get_resource::<Time>().map_or(Duration::ZERO, Time::delta);
+    let timestep = world.get_resource::<Time<Fixed>>().copied().unwrap_or_default().timestep();
+    let Some(mut clock) = world.get_resource_mut::<Time<ClothClock>>() else { return };
+    let due = clock.context_mut().take(delta, timestep);
+    let stands = clock.context().stands();
+    let still = stands && due == 0 && grabs.iter(world).any(|grabs| !grabs.0.is_empty());
+    if due == 0 && !still {
+        return;
+    }
+    let outside = world.get_resource::<Time>().copied();
+    let _ = world.try_schedule_scope(ClothSchedule, |world, schedule| {
+        for _ in 0..due.max(1) {
+            let clock = world.get_resource_mut::<Time<ClothClock>>().map(|mut clock| {
+                if !still {
+                    clock.advance_by(timestep);
+                }
+                clock.as_generic()
+            });
+            set_time(world, clock);
+            *world.resource_mut::<ClothTick>() = ClothTick { dt: timestep.as_secs_f32(), still, substep: 0 };
+            schedule.run(world);
+        }
+    });
+    set_time(world, outside);
+}
+
+fn set_time(world: &mut World, to: Option<Time>) {
+    if let (Some(mut time), Some(to)) = (world.get_resource_mut::<Time>(), to) {
+        *time = to;
+    }
+}
+
+/// In a tick in which time stands, takes all speed and force off what is about to move.
+pub(crate) fn hold_still(mut cloths: Query<(&mut Particles, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, plan) in &mut cloths {
+        if tick.still && plan.substeps > 0 {
+            particles.velocity.fill(Vec3::ZERO);
+            clear_forces(&mut particles);
+        }
+    }
+}
+
+/// Forces act for one tick.
+pub(crate) fn clear_forces(particles: &mut Particles) {
+    if let Some(force) = &mut particles.force {
+        force.fill(Vec3::ZERO);
+    }
+}
+
+/// Runs [`ClothSubstepSchedule`] as often as the cloth with most substeps needs.
+pub(crate) fn run_substeps(world: &mut World, plans: &mut QueryState<&StepPlan>) {
+    let most = plans.iter(world).map(|plan| plan.substeps).max().unwrap_or(0);
+    if most == 0 {
+        return;
+    }
+    let _ = world.try_schedule_scope(ClothSubstepSchedule, |world, schedule| {
+        for substep in 0..most {
+            world.resource_mut::<ClothTick>().substep = substep;
+            schedule.run(world);
+        }
+    });
+}
+
+pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, mut constraints, plan) in &mut cloths {
+        if let Some(sub) = plan.substep(&tick) {
+            xpbd::integrate(&mut particles, &mut constraints, &sub);
+        }
+    }
+}
+
+pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, mut constraints, plan) in &mut cloths {
+        if let Some(sub) = plan.substep(&tick) {
+            xpbd::solve(&mut particles, &mut constraints, &sub);
+        }
+    }
+}
+
+pub(crate) fn collide(mut cloths: Query<(&mut Particles, &mut Contacts, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, mut contacts, plan) in &mut cloths {
+        if let Some(sub) = plan.substep(&tick).filter(|_| !contacts.colliders.is_empty()) {
+            contact::collide(&mut particles, &mut contacts, &sub);
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The side panel: which sections it has, and which cloth it shows.
+
+use bevy::prelude::*;
+use bevy_cloth::Cloth;
+use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
+
+use crate::{InspectorOpen, PanelWidth, Selected, cloth, fabric, object, statistics, world};
+
+/// Width the panel opens with, logical pixels.
+const WIDTH: f32 = 310.0;
+
+/// Draws the panel into the primary egui context, if it is open.
+pub fn show(world: &mut World) {
+    let width = if world.resource::<InspectorOpen>().0 { draw(world) } else { None };
+    world.resource_mut::<PanelWidth>().set_if_neq(PanelWidth(width.unwrap_or(0.0)));
+}
+
+/// Draws the panel and tells its width; `None` if there is no egui context.
+fn draw(world: &mut World) -> Option<f32> {
+    let mut contexts = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>();
+    let context = contexts.single_mut(world).ok()?.get_mut().clone();
+    let mut screen = egui::Ui::new(
+        context.clone(),
+        "cloth inspector".into(),
+        egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.viewport_rect()),
+    );
+    let panel = egui::Panel::right("cloth inspector panel").default_size(WIDTH).show_inside(&mut screen, |ui| {
+        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
+    });
+    Some(panel.response.rect.width())
+}
+
+fn sections(ui: &mut egui::Ui, world: &mut World) {
+    let cloth = shown_cloth(world);
+    section(ui, "Time", true, |ui| world::clock(ui, world));
+    if let Some(entity) = cloth {
+        section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
+        section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
+    }
+    section(ui, "World", true, |ui| world::settings(ui, world, cloth));
+    section(ui, "Selected object", true, |ui| object::show(ui, world));
+    section(ui, "Statistics", true, |ui| statistics::show(ui, world, cloth));
+}
+
+fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl FnOnce(&mut egui::Ui)) {
+    egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(open).show(ui, contents);
+}
+
+/// The selected cloth, or the one that hangs below what is selected, or the first one in the world.
+fn shown_cloth(world: &mut World) -> Option<Entity> {
+    let selected = world.resource::<Selected>().0;
+    let mut clothes: Vec<Entity> = world.query_filtered::<Entity, With<Cloth>>().iter(world).collect();
+    clothes.sort_unstable();
+    let hangs_on = |cloth: Entity, on: Entity| {
+        let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+        std::iter::successors(Some(cloth), |entity| parent(*entity)).any(|entity| entity == on)
+    };
+    selected
+        .and_then(|on| clothes.iter().copied().find(|cloth| hangs_on(*cloth, on)))
+        .or_else(|| clothes.first().copied())
+}

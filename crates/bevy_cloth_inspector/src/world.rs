@@ -1,0 +1,82 @@
+//! What all clothes share: the clock, gravity, substeps, colouring.
+
+use bevy::prelude::*;
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Gravity, ResetCloth, Shared, Substeps};
+use bevy_egui::egui;
+
+use crate::widgets::{self, Unit};
+
+/// Slowest motion the slider offers.
+const SLOWEST: f32 = 0.02;
+const METRE_PER_SECOND_SQUARED: Unit = Unit::new("m/s²", 1.0, 0.02);
+
+/// Shows the clock: pause, step, slow motion, reset.
+pub fn clock(ui: &mut egui::Ui, world: &mut World) {
+    let Some(mut clock) = world.get_resource_mut::<Time<ClothClock>>() else { return };
+    let mut reset = false;
+    ui.horizontal(|ui| {
+        let paused = clock.is_paused();
+        if ui.button(if paused { "▶ go on" } else { "⏸ pause" }).clicked() {
+            if paused { clock.unpause() } else { clock.pause() }
+        }
+        if ui.button("⏭ step").on_hover_text("One tick, then pause.").clicked() {
+            clock.pause();
+            clock.step_once();
+        }
+        reset = ui.button("⟲ reset").on_hover_text("All cloth back to its rest pose.").clicked();
+        ui.label(format!("{:.2} s", clock.elapsed_secs()));
+    });
+    let mut speed = clock.relative_speed();
+    let slider = egui::Slider::new(&mut speed, SLOWEST..=1.0)
+        .logarithmic(true)
+        .clamping(egui::SliderClamping::Edits)
+        .text("speed");
+    if ui.add(slider).on_hover_text("Slow motion runs fewer ticks, never shorter ones.").changed() {
+        clock.set_relative_speed(speed);
+    }
+    if reset {
+        let clothes: Vec<Entity> = world.query_filtered::<Entity, With<Cloth>>().iter(world).collect();
+        for entity in clothes {
+            world.trigger(ResetCloth { entity });
+        }
+    }
+}
+
+/// Shows the shared settings, or those that `cloth` has of its own.
+pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
+    widgets::rows(ui, "world", |ui| {
+        edit_own_or_shared(world, cloth, |gravity: &mut Gravity| {
+            widgets::row(ui, "gravity", "m/s², along x, y and z.", |ui| {
+                widgets::numbers(ui, gravity.0.as_mut(), Unit { name: "", ..METRE_PER_SECOND_SQUARED });
+            });
+        });
+        edit_own_or_shared(world, cloth, |substeps: &mut Substeps| {
+            widgets::row(ui, "substeps", "In a quiet tick: the budget that buys stiffness.", |ui| {
+                ui.add(egui::DragValue::new(&mut substeps.count).speed(0.1));
+            });
+            widgets::row(ui, "at most", "The solver may take more under load, up to this.", |ui| {
+                ui.add(egui::DragValue::new(&mut substeps.max).speed(0.1));
+            });
+        });
+        edit_own_or_shared(world, cloth, |coloring: &mut ClothColoring| {
+            widgets::row(ui, "colours", "", |ui| {
+                ui.horizontal(|ui| {
+                    ui.selectable_value(coloring, ClothColoring::Material, "material");
+                    ui.selectable_value(coloring, ClothColoring::Stress, "stress");
+                });
+            });
+        });
+    });
+}
+
+/// Edits the component of `cloth` if it has one, else the resource shared by all.
+fn edit_own_or_shared<C>(world: &mut World, cloth: Option<Entity>, change: impl FnOnce(&mut C))
+where
+    C: Component<Mutability = bevy::ecs::component::Mutable> + Clone + PartialEq + Default + std::fmt::Debug,
+    Shared<C>: Resource<Mutability = bevy::ecs::component::Mutable>,
+{
+    match cloth.filter(|entity| world.entity(*entity).contains::<C>()) {
+        Some(entity) => widgets::edit(world, entity, change),
+        None => widgets::edit_resource(world, |shared: &mut Shared<C>| change(&mut shared.0)),
+    }
+}

@@ -1,0 +1,75 @@
+//! One cloth as a whole, and the loop of one tick.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::contact::Contacts;
+use crate::{ClothError, Fabric, Particles, Topology};
+
+/// One tick: how long, in how many substeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Length of the tick, s.
+    pub dt: f32,
+    /// Number of substeps, at least 1.
+    pub substeps: u32,
+}
+
+impl Tick {
+    /// Substep `index` of this tick.
+    pub fn substep(&self, index: u32) -> Substep {
+        let count = self.substeps.max(1);
+        Substep { h: self.dt / count as f32, start: index as f32 / count as f32, end: (index + 1) as f32 / count as f32 }
+    }
+}
+
+/// One substep of a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Substep {
+    /// Length, s.
+    pub h: f32,
+    /// Where in the tick it starts, 0..1.
+    pub start: f32,
+    /// Where in the tick it ends, 0..=1.
+    pub end: f32,
+}
+
+pub use crate::constraint::Constraints;
+
+/// A cloth that steps itself: for tests, benchmarks and engines without an ECS.
+#[derive(Clone, Debug)]
+pub struct Cloth {
+    /// Rest state and connectivity.
+    pub topology: Arc<Topology>,
+    /// State of motion.
+    pub particles: Particles,
+    /// Constraints.
+    pub constraints: Constraints,
+    /// Contact.
+    pub contacts: Contacts,
+}
+
+impl Cloth {
+    /// At rest at the rest positions, no pins, no colliders, no gravity.
+    pub fn new(topology: Arc<Topology>, fabric: &Fabric) -> Result<Self, ClothError> {
+        fabric.validate()?;
+        Ok(Self {
+            particles: Particles::new(&topology, fabric.areal_density),
+            constraints: Constraints::new(&topology, fabric)?,
+            contacts: Contacts { offset: Contacts::offset_for(&topology, fabric), ..Contacts::default() },
+            topology,
+        })
+    }
+
+    /// Advances by one tick under `gravity` (m/s²).
+    pub fn step(&mut self, tick: Tick, gravity: Vec3) {
+        self.particles.acceleration = gravity;
+        for index in 0..tick.substeps.max(1) {
+            let sub = tick.substep(index);
+            crate::method::xpbd::integrate(&mut self.particles, &mut self.constraints, &sub);
+            crate::method::xpbd::solve(&mut self.particles, &mut self.constraints, &sub);
+            crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
+        }
+    }
+}

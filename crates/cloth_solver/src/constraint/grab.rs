@@ -1,0 +1,63 @@
+//! Grab: a stiff, force-limited spring between a point of the cloth and a point in space.
+
+use glam::Vec3;
+
+use crate::Particles;
+use crate::cloth::Substep;
+
+/// A hand on the cloth. It holds a point of one triangle and pulls it towards a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grab {
+    /// The particles of the triangle held.
+    pub particles: [u32; 3],
+    /// Barycentric weights of the point held, each in 0..=1; they sum to 1.
+    pub weights: [f32; 3],
+    /// Target at the start of the tick, cloth frame, m.
+    pub from: Vec3,
+    /// Target at the end of the tick, cloth frame, m.
+    pub to: Vec3,
+    /// Stiffness of the spring, N/m, above 0.
+    pub stiffness: f32,
+    /// The hand never pulls harder than this, N.
+    pub max_force: f32,
+}
+
+/// What a fingertip that pinches the cloth weighs, kg. Without it a spring stiff enough to drag a curtain would act
+/// on a few hundredths of a gram, which no step can resolve (a sweep makes no spring stiffer than m/h²).
+const FINGERTIP_MASS: f32 = 0.02;
+
+impl Grab {
+    /// The fingertip's inertia: the inverse mass that the three particles have while they are held.
+    pub(crate) fn held_inverse_mass(&self, particles: &Particles) -> [f32; 3] {
+        let mut held = self.particles.map(|p| particles.inverse_mass[p as usize]);
+        for (w, share) in held.iter_mut().zip(self.weights) {
+            if *w > 0.0 {
+                *w = 1.0 / (1.0 / *w + FINGERTIP_MASS * share);
+            }
+        }
+        held
+    }
+
+    /// One implicit Euler step of a critically damped spring between the held point and its target, whose pull is cut
+    /// off at `max_force`. `inverse_mass` is [`Self::held_inverse_mass`].
+    pub(crate) fn apply(&self, particles: &mut Particles, sub: &Substep) {
+        let slots = self.particles.map(|p| p as usize);
+        let point = |v: &crate::Soa3| -> Vec3 { (0..3).map(|i| v.get(slots[i]) * self.weights[i]).sum() };
+        let w: f32 = (0..3).map(|i| particles.inverse_mass[slots[i]] * self.weights[i] * self.weights[i]).sum();
+        if w <= 0.0 {
+            return;
+        }
+        let mass = 1.0 / w;
+        let damping = 2.0 * (self.stiffness * mass).sqrt();
+        let now = point(&particles.position) - self.from.lerp(self.to, sub.end);
+        let before = point(&particles.previous) - self.from.lerp(self.to, sub.start);
+        let inertia = mass / (sub.h * sub.h);
+        let drag = damping / sub.h;
+        let after = (now * inertia + before * drag) / (inertia + self.stiffness + drag);
+        let force = ((after - now) * inertia).clamp_length_max(self.max_force);
+        for i in 0..3 {
+            let pull = force * (sub.h * sub.h * particles.inverse_mass[slots[i]] * self.weights[i]);
+            particles.position.set(slots[i], particles.position.get(slots[i]) + pull);
+        }
+    }
+}

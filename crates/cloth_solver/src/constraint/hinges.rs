@@ -1,0 +1,167 @@
+//! Bending over the inner edges of a mesh that is no grid: the dihedral angle of each hinge.
+//!
+//! Energy `½ (D b/s) (θ − θ₀)²` with b the hinge's length and s = (A₁ + A₂)/b the spacing of the two triangles (Grinspun
+//! et al. 2003); gradients after Bridson, Marino, Fedkiw 2003.
+
+use std::collections::HashMap;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::batch::{Batches, gather, gather3, scatter3};
+use crate::lanes::{LANES, Vec3x8, splat};
+use crate::{Fabric, Particles, Topology};
+
+/// The hinges of a mesh, eight at a time.
+#[derive(Clone, Debug)]
+pub(crate) struct Hinges {
+    batches: Batches<4>,
+    rest_angle: Vec<[f32; LANES]>,
+    /// s/(D b), rad²/J.
+    compliance: Vec<[f32; LANES]>,
+}
+
+/// Where no constraint is: so compliant that it never acts.
+const IDLE_COMPLIANCE: f32 = 1e30;
+
+impl Hinges {
+    pub fn new(topology: &Topology, fabric: &Fabric, padding: u32) -> Self {
+        let batches = Batches::new(&topology.hinges, topology.slots(), padding);
+        let stiffness = stiffness(topology, fabric);
+        let compliance = batches.lanes(IDLE_COMPLIANCE, |i| 1.0 / stiffness[i].max(1.0 / IDLE_COMPLIANCE));
+        let rest_angle = batches.lanes(0.0, |i| topology.hinge_rest[i]);
+        Self { batches, rest_angle, compliance }
+    }
+
+    /// Number of constraints.
+    pub fn count(&self) -> usize {
+        self.batches.source.iter().flatten().flatten().count()
+    }
+
+    /// Solves every hinge once.
+    #[inline(always)]
+    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
+        let Particles { position, inverse_mass, .. } = particles;
+        let per_step = splat(simd, 1.0 / (h * h));
+        for (g, group) in self.batches.groups.iter().enumerate() {
+            let x = group.map(|slots| gather3(simd, position, &slots));
+            let w = group.map(|slots| gather(simd, inverse_mass, &slots));
+            let (angle, gradient) = angle_and_gradient(simd, x);
+            let turn = wrap(simd, angle - f32x8::simd_from(simd, self.rest_angle[g]));
+            let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
+            let lambda = -turn / (weight(&w, &gradient) + compliance);
+            for i in 0..4 {
+                scatter3(x[i] + gradient[i] * (lambda * w[i]), position, &group[i]);
+            }
+        }
+    }
+
+    /// Damps the rate of every hinge once by a dashpot of `scale` (time constant times Δt, s²) times its stiffness.
+    #[inline(always)]
+    pub fn damp<S: Simd>(&self, simd: S, particles: &mut Particles, scale: f32) {
+        let Particles { position, velocity, inverse_mass, .. } = particles;
+        let per_step = splat(simd, 1.0 / scale);
+        for (g, group) in self.batches.groups.iter().enumerate() {
+            let (_, gradient) = angle_and_gradient(simd, group.map(|slots| gather3(simd, position, &slots)));
+            let v = group.map(|slots| gather3(simd, velocity, &slots));
+            let w = group.map(|slots| gather(simd, inverse_mass, &slots));
+            let rate = (0..4).fold(splat(simd, 0.0), |rate, i| rate + gradient[i].dot(v[i]));
+            let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
+            let lambda = -rate / (weight(&w, &gradient) + compliance);
+            for i in 0..4 {
+                scatter3(v[i] + gradient[i] * (lambda * w[i]), velocity, &group[i]);
+            }
+        }
+    }
+}
+
+/// Σ w |∇C|².
+#[inline(always)]
+fn weight<S: Simd>(w: &[f32x8<S>; 4], gradient: &[Vec3x8<S>; 4]) -> f32x8<S> {
+    let term = |i: usize| w[i] * gradient[i].dot(gradient[i]);
+    term(0) + term(1) + term(2) + term(3)
+}
+
+/// The dihedral angle, positive where the front faces turn away from each other, and its gradients. A hinge with a
+/// triangle of no area has none there.
+#[inline(always)]
+fn angle_and_gradient<S: Simd>(simd: S, [a, b, c, d]: [Vec3x8<S>; 4]) -> (f32x8<S>, [Vec3x8<S>; 4]) {
+    let (one, tiny) = (splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
+    let edge = b - a;
+    let length = edge.length();
+    let (n1, n2) = (edge.cross(c - a), (d - a).cross(edge));
+    let (q1, q2) = (n1 * (one / n1.dot(n1).max(tiny)), n2 * (one / n2.dot(n2).max(tiny)));
+    let along = one / length.max(tiny);
+    // sin θ and cos θ, both times |n1| |n2|.
+    let angle = atan2(simd, n1.cross(n2).dot(edge) * along, n1.dot(n2));
+    let gradient = [
+        q1 * ((b - c).dot(edge) * along) + q2 * ((b - d).dot(edge) * along),
+        q1 * ((c - a).dot(edge) * along) + q2 * ((d - a).dot(edge) * along),
+        q1 * -length,
+        q2 * -length,
+    ];
+    (angle, gradient)
+}
+
+/// `D b/s` of every hinge, J/rad²: b its length, s = (A₁ + A₂)/b the spacing of its triangles, D between the fabric's
+/// two by the direction of curvature, which is across the hinge.
+pub(crate) fn stiffness(topology: &Topology, fabric: &Fabric) -> Vec<f32> {
+    let mut along = HashMap::with_capacity(3 * topology.triangles.len());
+    for (&[p0, p1, p2], rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
+        let (e1, e2) = (rest.x_axis, rest.y_axis);
+        for (a, b, edge) in [(p0, p1, e1), (p1, p2, e2 - e1), (p2, p0, -e2)] {
+            along.insert((a, b), edge.normalize_or_zero());
+        }
+    }
+    let of_hinge = |&[a, b, c, d]: &[u32; 4]| {
+        let at = |i: u32| topology.rest[i as usize];
+        let edge = at(b) - at(a);
+        let areas = 0.5 * (edge.cross(at(c) - at(a)).length() + edge.cross(at(d) - at(a)).length());
+        let direction = along.get(&(a, b)).or_else(|| along.get(&(b, a))).copied().unwrap_or_default();
+        // Curvature across a hinge that runs along the warp is curvature along the weft.
+        let bending = fabric.bend_weft * direction.y * direction.y + fabric.bend_warp * direction.x * direction.x;
+        bending * edge.length_squared() / areas
+    };
+    topology.hinges.iter().map(of_hinge).collect()
+}
+
+/// An angle difference brought back to −π..π: the short way round.
+#[inline(always)]
+fn wrap<S: Simd>(simd: S, angle: f32x8<S>) -> f32x8<S> {
+    let turn = splat(simd, core::f32::consts::TAU);
+    angle - turn * (angle * splat(simd, 1.0 / core::f32::consts::TAU)).round_ties_even()
+}
+
+/// `atan2(y, x)` in every lane, 0 at the origin, absolute error below 2e-6 rad. A polynomial rather than the platform's
+/// `atan2f`, so that every machine computes the same bits.
+#[inline(always)]
+fn atan2<S: Simd>(simd: S, y: f32x8<S>, x: f32x8<S>) -> f32x8<S> {
+    let (ax, ay) = (x.abs(), y.abs());
+    let t = ax.min(ay) / ax.max(ay).max(splat(simd, f32::MIN_POSITIVE));
+    let s = t * t;
+    // Minimax fit of atan(t)/t on 0..1, odd terms up to t¹⁵ (Abramowitz & Stegun 4.4.49).
+    let mut p = splat(simd, 0.002_866_225_7);
+    for c in [-0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_088_99, 0.199_935_51, -0.333_331_45] {
+        p = p * s + splat(simd, c);
+    }
+    let angle = t + t * s * p;
+    let angle = ay.simd_gt(ax).select(splat(simd, core::f32::consts::FRAC_PI_2) - angle, angle);
+    let angle = x.simd_lt(splat(simd, 0.0)).select(splat(simd, core::f32::consts::PI) - angle, angle);
+    y.simd_lt(splat(simd, 0.0)).select(-angle, angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::dispatch;
+
+    #[test]
+    fn the_polynomial_agrees_with_atan2_all_round() {
+        for i in 0..3600 {
+            let angle = (f32::from(i as i16) / 10.0 - 180.0).to_radians();
+            let (y, x) = (angle.sin() * 3.0, angle.cos() * 3.0);
+            let found = dispatch!(*crate::lanes::LEVEL, simd => atan2(simd, splat(simd, y), splat(simd, x))[0]);
+            assert!((found - y.atan2(x)).abs() < 2e-6, "{found} for {angle}");
+        }
+    }
+}

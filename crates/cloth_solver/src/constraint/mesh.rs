@@ -1,0 +1,50 @@
+//! The constraints of a mesh that is no grid: hinges, then triangles.
+
+use fearless_simd::Simd;
+
+use super::hinges::Hinges;
+use super::triangles::Triangles;
+use crate::{Fabric, Particles, Topology};
+
+/// What keeps a mesh of fabric together.
+#[derive(Clone, Debug)]
+pub(super) struct MeshConstraints {
+    triangles: Triangles,
+    hinges: Option<Hinges>,
+    /// Time constant of the fabric's dashpots, s.
+    pub damping: f32,
+}
+
+impl MeshConstraints {
+    pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
+        let padding = topology.slots().saturating_sub(1) as u32;
+        let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
+        Self {
+            triangles: Triangles::new(topology, fabric, padding),
+            hinges: (bends && !topology.hinges.is_empty()).then(|| Hinges::new(topology, fabric, padding)),
+            damping: fabric.damping,
+        }
+    }
+
+    /// Number of constraints.
+    pub fn count(&self) -> usize {
+        self.triangles.count() + self.hinges.as_ref().map_or(0, Hinges::count)
+    }
+
+    #[inline(always)]
+    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
+        if let Some(hinges) = &self.hinges {
+            hinges.solve(simd, particles, h);
+        }
+        self.triangles.solve(simd, particles, h);
+    }
+
+    /// Takes from the rates of shear and bending what the fabric's dashpots take in `dt`.
+    #[inline(always)]
+    pub fn damp<S: Simd>(&self, simd: S, particles: &mut Particles, dt: f32) {
+        if let Some(hinges) = &self.hinges {
+            hinges.damp(simd, particles, self.damping * dt);
+        }
+        self.triangles.damp(simd, particles, self.damping * dt);
+    }
+}

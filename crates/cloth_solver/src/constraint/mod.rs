@@ -1,0 +1,173 @@
+//! The constraints of one cloth, one file per kind, and the order in which a substep solves them.
+
+mod batch;
+mod cells;
+mod grab;
+mod grid;
+mod hinges;
+mod lines;
+mod mesh;
+mod pin;
+mod tether;
+mod triangles;
+
+pub use grab::Grab;
+pub use pin::{Pin, Pins};
+
+use fearless_simd::dispatch;
+
+use crate::cloth::Substep;
+use crate::lanes::LEVEL;
+use crate::{ClothError, Fabric, Particles, Topology};
+use grid::GridConstraints;
+use mesh::MeshConstraints;
+use tether::Tethers;
+
+/// The constraints of one cloth and the working memory to solve them.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[derive(Clone, Debug, Default)]
+pub struct Constraints {
+    /// Hands on the cloth. Set them anew each tick or leave them.
+    pub grabs: Vec<Grab>,
+    pins: Pins,
+    tethers: Option<Tethers>,
+    surface: Surface,
+}
+
+/// What keeps the fabric together.
+#[derive(Clone, Debug, Default)]
+enum Surface {
+    #[default]
+    Empty,
+    Grid(Box<GridConstraints>),
+    Mesh(Box<MeshConstraints>),
+}
+
+impl Constraints {
+    /// All constraints of a cloth of `fabric` over `topology`; no pins, no grabs, no tethers.
+    pub fn new(topology: &Topology, fabric: &Fabric) -> Result<Self, ClothError> {
+        fabric.validate()?;
+        let surface = match topology.grid {
+            Some(grid) => Surface::Grid(Box::new(GridConstraints::new(grid, topology, fabric))),
+            None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric))),
+        };
+        Ok(Self { surface, ..Self::default() })
+    }
+
+    /// Replaces all pins: pinned particles get inverse mass 0, released ones their own again.
+    ///
+    /// # Errors
+    /// A pin that names no particle or no frame; then nothing changes.
+    pub fn set_pins(&mut self, particles: &mut Particles, pins: Pins) -> Result<(), ClothError> {
+        for pin in &pins.pins {
+            if particles.mass.get(pin.particle as usize).is_none_or(|m| *m <= 0.0) {
+                let particles = particles.mass.iter().filter(|m| **m > 0.0).count();
+                return Err(ClothError::NoSuchParticle { field: "Pins", particle: pin.particle, particles });
+            }
+            if pin.frame as usize >= pins.frames.len() {
+                return Err(ClothError::OutOfRange {
+                    field: "Pin::frame",
+                    value: pin.frame as f32,
+                    allowed: "an index of Pins::frames",
+                });
+            }
+        }
+        for pin in &self.pins.pins {
+            let i = pin.particle as usize;
+            particles.inverse_mass[i] = 1.0 / particles.mass[i];
+        }
+        for pin in &pins.pins {
+            particles.inverse_mass[pin.particle as usize] = 0.0;
+        }
+        self.pins = pins;
+        Ok(())
+    }
+
+    /// The pins.
+    pub fn pins(&self) -> &Pins {
+        &self.pins
+    }
+
+    /// The frames pins hang on, to be moved each tick.
+    pub fn pin_frames_mut(&mut self) -> &mut [crate::Motion] {
+        &mut self.pins.frames
+    }
+
+    /// Ties every free particle to its nearest pin, with `slack` strain (0 or more) before a tether acts; `None`
+    /// removes all tethers. They are found from the pins as they are now: set pins first.
+    pub fn set_tethers(&mut self, topology: &Topology, slack: Option<f32>) {
+        let pinned = self.pins.pins.iter().map(|pin| pin.particle);
+        self.tethers = slack.map(|slack| Tethers::new(topology, pinned, slack));
+    }
+
+    /// Number of constraints solved in a substep: one per stretched edge, bend, shear, twist, hinge and tether.
+    pub fn count(&self) -> usize {
+        let tethers = self.tethers.as_ref().map_or(0, Tethers::count);
+        tethers
+            + self.grabs.len()
+            + match &self.surface {
+                Surface::Empty => 0,
+                Surface::Grid(grid) => grid.count(),
+                Surface::Mesh(mesh) => mesh.count(),
+            }
+    }
+
+    /// Gives particles whose lines are too tight for the substep the inertia that keeps the exact solve stable, and
+    /// takes it back from those that no longer need it (selective mass scaling). Their weight stays: rest is exact.
+    pub(crate) fn scale_masses(&mut self, particles: &mut Particles, h: f32) {
+        let Surface::Grid(grid) = &mut self.surface else { return };
+        if dispatch!(*LEVEL, simd => grid.scale_masses(simd, particles, h)) {
+            for pin in &self.pins.pins {
+                particles.inverse_mass[pin.particle as usize] = 0.0;
+            }
+        }
+    }
+
+    /// How many particles carry added inertia now; see the description of [`crate::method::xpbd`].
+    pub fn scaled_particles(&self, particles: &Particles) -> usize {
+        let scaled = |(w, mass): (&f32, &f32)| *w > 0.0 && w * mass < 1.0 - 1e-6;
+        particles.inverse_mass.iter().zip(&particles.mass).filter(|pair| scaled(*pair)).count()
+    }
+
+    /// Moves pinned particles to where their frames are at the end of `sub`.
+    pub(crate) fn apply_pins(&self, particles: &mut Particles, sub: &Substep) {
+        self.pins.apply(particles, sub.end);
+    }
+
+    /// Solves every constraint once, soft ones first, so that what is stiff is most exact.
+    pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) {
+        let held: Vec<_> = self.grabs.iter().map(|grab| grab.held_inverse_mass(particles)).collect();
+        let free: Vec<_> = self.grabs.iter().map(|g| g.particles.map(|p| particles.inverse_mass[p as usize])).collect();
+        set_inverse_masses(&self.grabs, &held, particles);
+        for grab in &self.grabs {
+            grab.apply(particles, sub);
+        }
+        match &mut self.surface {
+            Surface::Empty => {}
+            Surface::Grid(grid) => dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub.h)),
+            Surface::Mesh(mesh) => dispatch!(*LEVEL, simd => mesh.solve(simd, particles, sub.h)),
+        }
+        if let Some(tethers) = &self.tethers {
+            tethers.solve(particles);
+        }
+        set_inverse_masses(&self.grabs, &free, particles);
+    }
+
+    /// Internal damping of the fabric over `dt`, s: once a tick, on the velocities.
+    pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
+        match &mut self.surface {
+            Surface::Grid(grid) if grid.fabric.damping > 0.0 => dispatch!(*LEVEL, simd => grid.damp(simd, particles, dt)),
+            Surface::Mesh(mesh) if mesh.damping > 0.0 => dispatch!(*LEVEL, simd => mesh.damp(simd, particles, dt)),
+            _ => {}
+        }
+    }
+}
+
+fn set_inverse_masses(grabs: &[Grab], inverse_masses: &[[f32; 3]], particles: &mut Particles) {
+    for (grab, values) in grabs.iter().zip(inverse_masses) {
+        for (&particle, &value) in grab.particles.iter().zip(values) {
+            particles.inverse_mass[particle as usize] = value;
+        }
+    }
+}
+

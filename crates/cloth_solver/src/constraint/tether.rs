@@ -1,0 +1,85 @@
+//! Tethers (long range attachments, Kim, Chentanez, Müller 2012): no particle gets farther from its pin than the
+//! fabric between them is long.
+//!
+//! They hide the stretch that a method leaves, at the price that the load they carry is missing inside the cloth.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::{Particles, Topology};
+
+/// One particle tied to one pinned particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tether {
+    particle: u32,
+    anchor: u32,
+    /// Length of the way between them along the edges at rest, m.
+    length: f32,
+}
+
+/// The tethers of a cloth: each free particle to the pinned particle nearest along the cloth.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tethers {
+    tethers: Vec<Tether>,
+    slack: f32,
+}
+
+impl Tethers {
+    /// `slack` is the strain allowed before a tether acts, 0 or more.
+    pub fn new(topology: &Topology, pinned: impl Iterator<Item = u32>, slack: f32) -> Self {
+        let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); topology.slots()];
+        for &[a, b] in &topology.edges {
+            let length = topology.rest[a as usize].distance(topology.rest[b as usize]);
+            neighbours[a as usize].push((b, length));
+            neighbours[b as usize].push((a, length));
+        }
+        // Dijkstra from all pins at once; non-negative floats order like their bits.
+        let mut nearest = vec![(f32::INFINITY, u32::MAX); topology.slots()];
+        let mut queue = BinaryHeap::new();
+        for anchor in pinned {
+            nearest[anchor as usize] = (0.0, anchor);
+            queue.push(Reverse((0_u32, anchor)));
+        }
+        while let Some(Reverse((bits, at))) = queue.pop() {
+            let (distance, anchor) = nearest[at as usize];
+            if distance.to_bits() != bits {
+                continue;
+            }
+            for &(next, length) in &neighbours[at as usize] {
+                if distance + length < nearest[next as usize].0 {
+                    nearest[next as usize] = (distance + length, anchor);
+                    queue.push(Reverse(((distance + length).to_bits(), next)));
+                }
+            }
+        }
+        let tethers = nearest
+            .iter()
+            .enumerate()
+            .filter(|(_, (distance, _))| distance.is_finite() && *distance > 0.0)
+            .map(|(i, &(_, anchor))| {
+                // The way along mesh edges zigzags; the straight distance at rest is what flat fabric allows, and the
+                // way along the edges is never shorter.
+                let length = topology.rest[i].distance(topology.rest[anchor as usize]);
+                Tether { particle: i as u32, anchor, length }
+            })
+            .collect();
+        Self { tethers, slack }
+    }
+
+    /// Number of tethers.
+    pub fn count(&self) -> usize {
+        self.tethers.len()
+    }
+
+    /// Pulls back every particle that is too far from its pin.
+    pub fn solve(&self, particles: &mut Particles) {
+        for tether in &self.tethers {
+            let (i, anchor) = (tether.particle as usize, particles.position.get(tether.anchor as usize));
+            let away = particles.position.get(i) - anchor;
+            let (distance, limit) = (away.length(), tether.length * (1.0 + self.slack));
+            if distance > limit && particles.inverse_mass[i] > 0.0 {
+                particles.position.set(i, anchor + away * (limit / distance));
+            }
+        }
+    }
+}

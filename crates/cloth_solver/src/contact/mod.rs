@@ -1,0 +1,106 @@
+//! Colliders against the particles of a cloth: culling, push-out, friction.
+//!
+//! Contact comes last in a substep, after velocities are taken from the change of position: a push out of a collider
+//! then never becomes velocity. What velocity there is into the surface is removed, and Coulomb friction takes from
+//! the sliding as much as the removed part allows, in position and in velocity alike, so that cloth at rest does not
+//! creep.
+
+mod respond;
+mod shape;
+
+pub use shape::{ConvexHull, Shape};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch};
+use glam::Vec3;
+
+use crate::cloth::Substep;
+use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
+use crate::{Fabric, Motion, Particles, Soa3, Topology};
+
+/// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
+#[derive(Clone, Debug)]
+pub struct Collider {
+    /// Its form, in its own frame.
+    pub shape: Shape,
+    /// Its pose at the start and at the end of the tick, in the cloth's frame.
+    pub motion: Motion,
+    /// Coulomb friction coefficient against this cloth, 0 or more, dimensionless.
+    pub friction: f32,
+}
+
+/// What contact needs to know of a cloth, and what it found.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Distance kept between a particle and a collider's surface, m; see [`Contacts::offset_for`].
+    pub offset: f32,
+    /// The colliders of this tick, in the cloth's frame.
+    pub colliders: Vec<Collider>,
+    /// Contacts between a particle and a collider in the last substep.
+    pub touching: u32,
+    /// How far the deepest particle was below the offset before it was pushed out in the last substep, m.
+    pub deepest: f32,
+}
+
+/// A particle found inside a collider leaves it at this speed, m/s: one that was spawned inside, or that a collider was
+/// put over. What enters during a substep is put back at once.
+pub const DEPENETRATION_SPEED: f32 = 3.0;
+
+impl Contacts {
+    /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
+    /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).
+    pub fn offset_for(topology: &Topology, fabric: &Fabric) -> f32 {
+        let total: f32 = topology
+            .edges
+            .iter()
+            .map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]))
+            .sum();
+        let mean = total / topology.edges.len().max(1) as f32;
+        (fabric.thickness / 2.0).max(mean / 8.0)
+    }
+
+    /// Replaces the colliders of this tick, keeping the allocation.
+    pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
+        self.colliders.clear();
+        self.colliders.extend(colliders);
+    }
+}
+
+/// One substep's worth of contact with every collider, in their order.
+pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
+    (contacts.touching, contacts.deepest) = (0, 0.0);
+    if contacts.colliders.is_empty() {
+        return;
+    }
+    let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
+    for collider in &contacts.colliders {
+        let pose = collider.motion.at(sub.end);
+        let reach = collider.shape.bounding_radius() + contacts.offset;
+        let away = pose.position - pose.position.clamp(low, high);
+        if reach.is_finite() && away.length_squared() > reach * reach {
+            continue;
+        }
+        let start = collider.motion.at(sub.start);
+        let found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
+        contacts.touching += found.touching;
+        contacts.deepest = contacts.deepest.max(found.deepest);
+    }
+}
+
+/// The box around all slots.
+#[inline(always)]
+fn bounds<S: Simd>(simd: S, position: &Soa3) -> (Vec3, Vec3) {
+    let infinity = splat(simd, f32::INFINITY);
+    let mut low = Vec3x8 { x: infinity, y: infinity, z: infinity };
+    let mut high = Vec3x8 { x: -infinity, y: -infinity, z: -infinity };
+    for group in 0..position.len() / LANES {
+        let x = Vec3x8::load(simd, position, group * LANES);
+        low = Vec3x8 { x: low.x.min(x.x), y: low.y.min(x.y), z: low.z.min(x.z) };
+        high = Vec3x8 { x: high.x.max(x.x), y: high.y.max(x.y), z: high.z.max(x.z) };
+    }
+    (
+        Vec3::new(low.x.reduce_min(), low.y.reduce_min(), low.z.reduce_min()),
+        Vec3::new(high.x.reduce_max(), high.y.reduce_max(), high.z.reduce_max()),
+    )
+}

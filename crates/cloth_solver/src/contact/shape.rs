@@ -1,0 +1,175 @@
+//! The forms a collider can have.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use crate::ClothError;
+
+mod hull;
+
+pub use hull::ConvexHull;
+
+/// The form of a collider, in its own frame, m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A ball around the origin.
+    Sphere {
+        /// Radius, m.
+        radius: f32,
+    },
+    /// A cylinder along y with half a ball at each end.
+    Capsule {
+        /// Radius, m.
+        radius: f32,
+        /// Half the distance between the centres of the two half-balls, m.
+        half_length: f32,
+    },
+    /// A convex solid: box, pyramid, or any other.
+    Convex(Arc<ConvexHull>),
+    /// Everything below y = 0: solid ground.
+    HalfSpace,
+}
+
+/// `Ok` if `value` is a size a collider may have, 1e-4..=1e4 m.
+fn check_size(field: &'static str, value: f32) -> Result<(), ClothError> {
+    ClothError::check(field, value, 1e-4..=1e4, "1e-4..=1e4 m")
+}
+
+impl Shape {
+    /// A ball; `radius` in 1e-4..=1e4 m.
+    pub fn sphere(radius: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Sphere.radius", radius)?;
+        Ok(Self::Sphere { radius })
+    }
+
+    /// A capsule along y of `radius` (1e-4..=1e4 m) and overall length `length` between the centres of its half-balls
+    /// (0..=1e4 m; 0 is a ball).
+    pub fn capsule(radius: f32, length: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Capsule.radius", radius)?;
+        ClothError::check("ClothCollider::Capsule.length", length, 0.0..=1e4, "0..=1e4 m")?;
+        Ok(Self::Capsule { radius, half_length: length / 2.0 })
+    }
+
+    /// A box centred on the origin with edge lengths `size`, m, each 1e-4..=1e4.
+    pub fn cuboid(size: Vec3) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Cuboid.size.x", size.x)?;
+        check_size("ClothCollider::Cuboid.size.y", size.y)?;
+        check_size("ClothCollider::Cuboid.size.z", size.z)?;
+        Ok(Self::Convex(Arc::new(ConvexHull::cuboid(size / 2.0))))
+    }
+
+    /// A pyramid on a rectangular base of `base` (x, z) m, centred: base at −height/2, apex at +height/2. Each number
+    /// 1e-4..=1e4 m.
+    pub fn pyramid(base: Vec2, height: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Pyramid.base.x", base.x)?;
+        check_size("ClothCollider::Pyramid.base.y", base.y)?;
+        check_size("ClothCollider::Pyramid.height", height)?;
+        Ok(Self::Convex(Arc::new(ConvexHull::pyramid(base / 2.0, height / 2.0))))
+    }
+
+    /// The intersection of 4 to 64 half-spaces `n · p <= d`; must be bounded (within 1e4 m of the origin) and hold a
+    /// point in its inside. The normals `n` need not have unit length; half-spaces that cut nothing off are dropped.
+    pub fn convex(planes: &[(Vec3, f32)]) -> Result<Self, ClothError> {
+        ConvexHull::intersection(planes).map(|hull| Self::Convex(Arc::new(hull)))
+    }
+
+    /// Signed distance from the surface to `p` (negative inside), m, and the outward normal there, of unit length.
+    ///
+    /// Exact outside of every shape. Inside a convex solid it is the plane of least depth, the way out for a shallow
+    /// particle. Never NaN for a finite `p`: where all directions are equal, the normal is +y at the centre of a sphere
+    /// and +x on the axis of a capsule.
+    pub fn distance_and_normal(&self, p: Vec3) -> (f32, Vec3) {
+        match self {
+            Self::Sphere { radius } => (p.length() - radius, p.normalize_or(Vec3::Y)),
+            Self::Capsule { radius, half_length } => {
+                let from_axis = p - Vec3::Y * p.y.clamp(-half_length, *half_length);
+                (from_axis.length() - radius, from_axis.normalize_or(Vec3::X))
+            }
+            Self::Convex(hull) => hull.distance_and_normal(p),
+            Self::HalfSpace => (p.y, Vec3::Y),
+        }
+    }
+
+    /// Radius of the sphere around the origin of the frame that holds the shape, m; infinite for a half-space.
+    pub fn bounding_radius(&self) -> f32 {
+        match self {
+            Self::Sphere { radius } => *radius,
+            Self::Capsule { radius, half_length } => radius + half_length,
+            Self::Convex(hull) => hull.radius,
+            Self::HalfSpace => f32::INFINITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: (f32, Vec3), distance: f32, normal: Vec3) {
+        let close = (found.0 - distance).abs() < 1e-6 && (found.1 - normal).length() < 1e-6;
+        assert!(close, "found {found:?}, expected {distance} and {normal}");
+    }
+
+    #[test]
+    fn a_sphere_is_as_far_as_its_centre_less_its_radius() {
+        let sphere = Shape::sphere(0.5).unwrap();
+        close(sphere.distance_and_normal(Vec3::X * 2.0), 1.5, Vec3::X);
+        close(sphere.distance_and_normal(Vec3::NEG_Z * 0.1), -0.4, Vec3::NEG_Z);
+    }
+
+    #[test]
+    fn a_capsule_is_as_far_as_its_axis_less_its_radius() {
+        let capsule = Shape::capsule(0.5, 2.0).unwrap();
+        close(capsule.distance_and_normal(Vec3::new(2.0, 0.7, 0.0)), 1.5, Vec3::X);
+        close(capsule.distance_and_normal(Vec3::new(0.0, 3.0, 0.0)), 1.5, Vec3::Y);
+        close(capsule.distance_and_normal(Vec3::new(0.0, -1.3, 0.4)), 0.0, Vec3::new(0.0, -0.6, 0.8));
+        assert_eq!(Shape::capsule(0.5, 0.0).unwrap().bounding_radius(), 0.5);
+    }
+
+    #[test]
+    fn the_ground_is_everything_below_zero() {
+        close(Shape::HalfSpace.distance_and_normal(Vec3::new(4.0, -0.3, 7.0)), -0.3, Vec3::Y);
+        assert_eq!(Shape::HalfSpace.bounding_radius(), f32::INFINITY);
+    }
+
+    #[test]
+    fn where_every_direction_is_as_good_the_normal_is_a_fixed_axis() {
+        close(Shape::sphere(0.5).unwrap().distance_and_normal(Vec3::ZERO), -0.5, Vec3::Y);
+        close(Shape::capsule(0.5, 2.0).unwrap().distance_and_normal(Vec3::Y), -0.5, Vec3::X);
+    }
+
+    #[test]
+    fn distance_and_normal_of_finite_points_are_never_nan() {
+        let shapes = [
+            Shape::sphere(1.0).unwrap(),
+            Shape::capsule(0.1, 1.0).unwrap(),
+            Shape::cuboid(Vec3::ONE).unwrap(),
+            Shape::pyramid(Vec2::ONE, 1.0).unwrap(),
+            Shape::HalfSpace,
+        ];
+        for shape in &shapes {
+            for size in [0.0, f32::MIN_POSITIVE, 1e-30, 0.5, 1.0, 1e20, f32::MAX] {
+                for direction in [Vec3::X, Vec3::NEG_Y, Vec3::ONE, Vec3::new(-1.0, 1.0, 0.0)] {
+                    let (distance, normal) = shape.distance_and_normal(direction * size);
+                    assert!(!distance.is_nan(), "{shape:?} at {size}");
+                    assert!((normal.length() - 1.0).abs() < 1e-5, "{shape:?} at {size}: {normal}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_size_is_refused_by_name() {
+        let field = |result: Result<Shape, ClothError>| match result {
+            Err(ClothError::OutOfRange { field, .. }) => field,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(field(Shape::sphere(f32::NAN)), "ClothCollider::Sphere.radius");
+        assert_eq!(field(Shape::sphere(0.0)), "ClothCollider::Sphere.radius");
+        assert_eq!(field(Shape::capsule(1.0, -1.0)), "ClothCollider::Capsule.length");
+        assert_eq!(field(Shape::cuboid(Vec3::new(1.0, 2e4, 1.0))), "ClothCollider::Cuboid.size.y");
+        assert_eq!(field(Shape::pyramid(Vec2::new(1.0, -1.0), 1.0)), "ClothCollider::Pyramid.base.y");
+        assert_eq!(field(Shape::pyramid(Vec2::ONE, f32::INFINITY)), "ClothCollider::Pyramid.height");
+    }
+}

@@ -1,0 +1,26 @@
+//! Cloth physics in SI units: fabric, topology, constraints, contact, measurement.
+//!
+//! The crate knows no engine, reads no clock and owns no thread. One tick of one cloth is
+//! [`Cloth::step`]; an engine that wants its own systems between the phases calls them itself:
+//! [`method::xpbd::integrate`], [`method::xpbd::solve`], [`contact::collide`].
+
+pub mod cloth;
+pub mod constraint;
+pub mod contact;
+pub mod error;
+pub mod fabric;
+pub mod measure;
+pub mod method;
+pub mod particles;
+pub mod pick;
+pub mod pose;
+pub mod topology;
+
+mod lanes;
+
+pub use cloth::{Cloth, Tick};
+pub use error::ClothError;
+pub use fabric::Fabric;
+pub use particles::{Particles, Soa3};
+pub use pose::{Motion, Pose};
+pub use topology::{Grid, Topology};

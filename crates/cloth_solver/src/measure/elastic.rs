@@ -1,0 +1,220 @@
+//! The energy a deformed cloth holds.
+
+use glam::DVec3;
+
+use super::{Line, deformation};
+use crate::topology::hinge_angle;
+use crate::{Fabric, Grid, Particles, Soa3, Topology};
+
+/// Elastic energy of a cloth of `fabric` against its rest shape, J: stretch, shear and bending.
+///
+/// These are the energies whose forces the constraints apply, in the limit of a converged solve. Keep the two in step.
+///
+/// | | rectangle | any other mesh |
+/// |---|---|---|
+/// | stretch | `½ Y (w/l) Δl²` per warp and weft edge; `w` the width of fabric it stands for | `½ A (Y_u ε_u² + Y_v ε_v²)` per triangle |
+/// | shear | `½ G A (u·v)²` per cell; `u`, `v` its mean weft and warp edge over their rest lengths | `½ A G (F_u·F_v)²` per triangle |
+/// | bending | `½ D (w/l) (t₂ − t₁)²` per inner particle of a row or column; `t` its edges over their rest length | `½ (D b/s) (θ − θ₀)²` per hinge, see [`Topology::hinge_stiffness`] |
+/// | twist | `D (x₀₀ + x₁₁ − x₁₀ − x₀₁)² / (l_x l_y)` per cell, `D` the mean of warp and weft | part of the hinges |
+pub fn elastic_energy(topology: &Topology, particles: &Particles, fabric: &Fabric) -> f64 {
+    let positions = &particles.position;
+    match topology.grid {
+        Some(grid) => {
+            let wefts = lines(Line::wefts(grid), positions, fabric.stretch_weft, fabric.bend_weft);
+            let warps = lines(Line::warps(grid), positions, fabric.stretch_warp, fabric.bend_warp);
+            wefts + warps + cells(grid, positions, fabric)
+        }
+        None => triangles(topology, positions, fabric) + hinges(topology, positions, fabric),
+    }
+}
+
+/// Position of a slot, m.
+fn at(positions: &Soa3, slot: u32) -> DVec3 {
+    positions.get(slot as usize).as_dvec3()
+}
+
+/// Stretch and bending of rows or columns, J.
+fn lines(lines: impl Iterator<Item = Line>, positions: &Soa3, stretch: f32, bend: f32) -> f64 {
+    let (stretch, bend) = (f64::from(stretch), f64::from(bend));
+    lines
+        .map(|line| {
+            let mut last: Option<DVec3> = None;
+            let mut energy = 0.0;
+            for [a, b] in line.edges() {
+                let edge = at(positions, b) - at(positions, a);
+                energy += stretch * (edge.length() - line.spacing).powi(2);
+                let tangent = edge / line.spacing;
+                energy += last.map_or(0.0, |last| bend * (tangent - last).length_squared());
+                last = Some(tangent);
+            }
+            0.5 * energy * line.width / line.spacing
+        })
+        .sum()
+}
+
+/// Shear and twist of the cells of a rectangle, J.
+fn cells(grid: Grid, positions: &Soa3, fabric: &Fabric) -> f64 {
+    let spacing = grid.spacing.as_dvec2();
+    let area = spacing.x * spacing.y;
+    let shear = f64::from(fabric.shear);
+    let bend = 0.5 * (f64::from(fabric.bend_warp) + f64::from(fabric.bend_weft));
+    grid.cells()
+        .map(|(row, column)| {
+            let [x00, x10, x01, x11] = grid.cell(row, column).map(|slot| at(positions, slot));
+            let weft = 0.5 * ((x10 - x00) + (x11 - x01)) / spacing.x;
+            let warp = 0.5 * ((x01 - x00) + (x11 - x10)) / spacing.y;
+            let twist = (x00 + x11 - x10 - x01).length_squared();
+            0.5 * shear * area * weft.dot(warp).powi(2) + bend * twist / area
+        })
+        .sum()
+}
+
+/// Stretch and shear of the triangles of a mesh, J.
+fn triangles(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
+    let [weft_stiffness, warp_stiffness, shear] =
+        [fabric.stretch_weft, fabric.stretch_warp, fabric.shear].map(f64::from);
+    (0..topology.triangles.len())
+        .map(|index| {
+            let [weft, warp] = deformation(topology, positions, index);
+            let area = 0.5 * f64::from(topology.triangle_rest[index].determinant());
+            let stretch =
+                weft_stiffness * (weft.length() - 1.0).powi(2) + warp_stiffness * (warp.length() - 1.0).powi(2);
+            0.5 * area * (stretch + shear * weft.dot(warp).powi(2))
+        })
+        .sum()
+}
+
+/// Bending of the hinges of a mesh, J.
+fn hinges(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
+    (topology.hinges.iter().zip(&topology.hinge_rest).zip(topology.hinge_stiffness(fabric)))
+        .map(|((hinge, rest), stiffness)| {
+            let [a, b, c, d] = hinge.map(|slot| positions.get(slot as usize));
+            0.5 * f64::from(stiffness) * f64::from(turn(hinge_angle(a, b, c, d) - rest)).powi(2)
+        })
+        .sum()
+}
+
+/// The same turn within −π..=π: a hinge that swings through ±π has not gone all the way round.
+fn turn(angle: f32) -> f32 {
+    use core::f32::consts::{PI, TAU};
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Quat, UVec2, Vec2, Vec3};
+
+    use super::*;
+    use crate::topology::{MeshSource, Resolution};
+
+    const SIZE: Vec2 = Vec2::new(1.2, 0.8);
+    const AREA: f64 = 1.2 * 0.8;
+
+    fn sheet(cells: u32) -> Topology {
+        Topology::rectangle(SIZE, Resolution::Cells(UVec2::new(3 * cells, 2 * cells))).unwrap()
+    }
+
+    /// The same sheet without rows and columns.
+    fn mesh(cells: u32) -> Topology {
+        let sheet = sheet(cells);
+        let grid = sheet.grid.unwrap();
+        let positions: Vec<Vec3> = sheet.vertex_particle.iter().map(|p| sheet.rest[*p as usize]).collect();
+        let vertex = |slot: u32| slot / grid.stride * grid.columns + slot % grid.stride;
+        let indices: Vec<u32> = sheet.triangles.iter().flatten().map(|p| vertex(*p)).collect();
+        Topology::from_mesh(MeshSource { positions: &positions, uvs: &[], indices: &indices }).unwrap()
+    }
+
+    fn energy(topology: &Topology, fabric: &Fabric, map: impl Fn(Vec3) -> Vec3) -> f64 {
+        let mut particles = Particles::new(topology, 1.0);
+        for i in 0..particles.slots() {
+            let to = map(particles.position.get(i));
+            particles.position.set(i, to);
+        }
+        elastic_energy(topology, &particles, fabric)
+    }
+
+    /// No stiffness but what a test asks for (stretch must not be 0, but may be as good as that).
+    const LIMP: Fabric = Fabric {
+        stretch_warp: 1e-9,
+        stretch_weft: 1e-9,
+        shear: 0.0,
+        bend_warp: 0.0,
+        bend_weft: 0.0,
+        ..Fabric::COTTON_POPLIN
+    };
+
+    fn assert_close(value: f64, expected: f64, tolerance: f64) {
+        assert!((value / expected - 1.0).abs() < tolerance, "{value} J, expected {expected} J");
+    }
+
+    #[test]
+    fn turning_and_moving_a_cloth_costs_nothing() {
+        let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 1.1, -0.7);
+        for topology in [sheet(3), mesh(3)] {
+            let cost = energy(&topology, &Fabric::COTTON_POPLIN, |p| turn * p + Vec3::new(1.0, -2.0, 3.0));
+            assert!(cost < 1e-8, "{cost} J");
+        }
+    }
+
+    #[test]
+    fn stretch_and_shear_cost_the_same_as_of_a_continuous_membrane() {
+        let fabric = Fabric { stretch_warp: 300.0, stretch_weft: 70.0, shear: 40.0, ..LIMP };
+        for topology in [sheet(3), mesh(3)] {
+            let stretched = energy(&topology, &fabric, |p| p * Vec3::new(1.02, 1.05, 1.0));
+            assert_close(stretched, 0.5 * AREA * (300.0 * 0.05_f64.powi(2) + 70.0 * 0.02_f64.powi(2)), 1e-4);
+            let sheared = energy(&topology, &Fabric { shear: 40.0, ..LIMP }, |p| p + Vec3::X * 0.1 * p.y);
+            assert_close(sheared, 0.5 * AREA * 40.0 * 0.01, 1e-4);
+        }
+    }
+
+    #[test]
+    fn rolling_a_cloth_up_costs_half_d_curvature_squared_per_area() {
+        let radius = 0.5_f64;
+        let wrapped = |s: f32| {
+            let angle = f64::from(s) / radius;
+            ((radius * angle.sin()) as f32, (radius * angle.cos() - radius) as f32)
+        };
+        for (fabric, along_warp) in
+            [(Fabric { bend_warp: 3e-3, ..LIMP }, true), (Fabric { bend_weft: 3e-3, ..LIMP }, false)]
+        {
+            // The first and last half spacing stay straight, so the energy approaches the limit from below.
+            for topology in [sheet(20), mesh(20)] {
+                let cost = energy(&topology, &fabric, |p| {
+                    let (across, depth) = wrapped(if along_warp { p.y } else { p.x });
+                    if along_warp { Vec3::new(p.x, across, depth) } else { Vec3::new(across, p.y, depth) }
+                });
+                assert_close(cost, 0.5 * 3e-3 * AREA / radius.powi(2), 0.03);
+            }
+        }
+    }
+
+    #[test]
+    fn twisting_a_rectangle_costs_the_mean_of_warp_and_weft_stiffness() {
+        // A saddle z = κ x y: energy D κ² per area.
+        let cost = |fabric| energy(&sheet(10), &fabric, |p| Vec3::new(p.x, p.y, 0.1 * p.x * p.y));
+        let bending = cost(Fabric { bend_warp: 4e-3, bend_weft: 2e-3, ..LIMP }) - cost(LIMP);
+        assert_close(bending, 3e-3 * 0.1_f64.powi(2) * AREA, 1e-3);
+    }
+
+    #[test]
+    fn a_mesh_is_at_rest_in_the_folded_shape_it_was_made_in() {
+        let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.5, 0.0], [0.2, 0.5, -1.0]].map(Vec3::from);
+        let source = MeshSource { positions: &positions, uvs: &[], indices: &[0, 1, 2, 1, 0, 3] };
+        let topology = Topology::from_mesh(source).unwrap();
+        assert!(topology.hinge_rest[0] > 1.0);
+        assert!(energy(&topology, &Fabric::PAPER, |p| p) < 1e-9);
+    }
+
+    #[test]
+    fn a_hinge_swung_through_the_back_is_measured_the_short_way_round() {
+        assert!((turn(6.0) - (6.0 - core::f32::consts::TAU)).abs() < 1e-6);
+        assert!((turn(-6.0) + (6.0 - core::f32::consts::TAU)).abs() < 1e-6);
+        assert_eq!(turn(3.0), 3.0);
+    }
+}

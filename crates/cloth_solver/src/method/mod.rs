@@ -1,0 +1,3 @@
+//! Time-stepping methods, one file each.
+
+pub mod xpbd;

@@ -1,0 +1,146 @@
+//! Particles as structure of arrays.
+//!
+//! Every array has one entry per *slot*. A slot is a particle or padding. Padding has mass 0 and inverse mass 0,
+//! stands where a neighbouring particle stands, and lets every kernel read and write eight slots at a time:
+//!
+//! ```text
+//! grid of 5 columns, stride 8                     mesh of 11 particles
+//! row 0   p0 p1 p2 p3 p4  -  -  -                 p0 p1 p2 p3 p4 p5 p6 p7
+//! row 1   p8 p9 …                                 p8 p9 p10 -  -  -  -  -
+//! tail    -  -  -  -  -  -  -  -                  tail
+//! ```
+
+use glam::Vec3;
+
+/// Three coordinates, each in its own array.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Soa3 {
+    /// First coordinates.
+    pub x: Vec<f32>,
+    /// Second coordinates.
+    pub y: Vec<f32>,
+    /// Third coordinates.
+    pub z: Vec<f32>,
+}
+
+impl Soa3 {
+    /// `len` times zero.
+    pub fn zeros(len: usize) -> Self {
+        Self { x: vec![0.0; len], y: vec![0.0; len], z: vec![0.0; len] }
+    }
+
+    /// From a slice of vectors.
+    pub fn from_slice(points: &[Vec3]) -> Self {
+        Self {
+            x: points.iter().map(|p| p.x).collect(),
+            y: points.iter().map(|p| p.y).collect(),
+            z: points.iter().map(|p| p.z).collect(),
+        }
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there are no entries.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Entry `i`.
+    ///
+    /// # Panics
+    /// If `i` is not below [`Self::len`].
+    #[inline]
+    pub fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Sets entry `i`.
+    ///
+    /// # Panics
+    /// If `i` is not below [`Self::len`].
+    #[inline]
+    pub fn set(&mut self, i: usize, value: Vec3) {
+        self.x[i] = value.x;
+        self.y[i] = value.y;
+        self.z[i] = value.z;
+    }
+
+    /// Copies all entries of `other`, which has the same length, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
+
+    /// Sets every entry to `value`.
+    pub fn fill(&mut self, value: Vec3) {
+        self.x.fill(value.x);
+        self.y.fill(value.y);
+        self.z.fill(value.z);
+    }
+
+    /// Whether every number is finite.
+    pub fn is_finite(&self) -> bool {
+        // A sum of x·0 is 0 for finite x and NaN otherwise, and vectorises, which a loop with an exit does not.
+        [&self.x, &self.y, &self.z].iter().all(|v| v.iter().map(|x| x * 0.0).sum::<f32>() == 0.0)
+    }
+}
+
+/// The state of motion of one cloth, in the cloth's own frame.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[derive(Clone, Debug, Default)]
+pub struct Particles {
+    /// Where each particle is, m.
+    pub position: Soa3,
+    /// Where each particle was at the start of the current substep, m.
+    pub previous: Soa3,
+    /// Velocity, m/s.
+    pub velocity: Soa3,
+    /// Mass, kg; 0 for padding.
+    pub mass: Vec<f32>,
+    /// 1/mass, 1/kg; 0 for padding and for pinned particles.
+    pub inverse_mass: Vec<f32>,
+    /// Acceleration all particles share in this tick (gravity), m/s².
+    pub acceleration: Vec3,
+    /// Further force on each particle in this tick, N. `None` costs nothing.
+    pub force: Option<Soa3>,
+}
+
+impl Particles {
+    /// At rest, at the rest positions of `topology`, with the mass of `areal_density` (kg/m²).
+    pub fn new(topology: &crate::Topology, areal_density: f32) -> Self {
+        let mass: Vec<f32> = topology.area.iter().map(|a| a * areal_density).collect();
+        Self {
+            position: Soa3::from_slice(&topology.rest),
+            previous: Soa3::from_slice(&topology.rest),
+            velocity: Soa3::zeros(topology.rest.len()),
+            inverse_mass: mass.iter().map(|m| if *m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
+            mass,
+            acceleration: Vec3::ZERO,
+            force: None,
+        }
+    }
+
+    /// Number of slots, padding included.
+    pub fn slots(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Adds a force (N) on particle `slot` for this tick.
+    ///
+    /// # Panics
+    /// If `slot` is not below [`Self::slots`].
+    pub fn add_force(&mut self, slot: usize, force: Vec3) {
+        let len = self.slots();
+        let all = self.force.get_or_insert_with(|| Soa3::zeros(len));
+        all.set(slot, all.get(slot) + force);
+    }
+
+    /// Whether positions and velocities are all finite.
+    pub fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite()
+    }
+}

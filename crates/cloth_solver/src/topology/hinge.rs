@@ -1,0 +1,165 @@
+//! Which triangles share an edge, at which angle, and how hard it is to change that angle.
+
+use glam::{Vec2, Vec3};
+
+use super::Topology;
+use crate::Fabric;
+
+/// One side of one triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Side {
+    /// The particles at its ends, the smaller first.
+    pub edge: [u32; 2],
+    /// The triangle.
+    pub triangle: u32,
+    /// The triangle's particle off the edge.
+    pub opposite: u32,
+}
+
+/// All sides of all triangles, sorted by edge and then by triangle.
+pub(super) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut sides = Vec::with_capacity(triangles.len() * 3);
+    for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
+        for [p, q, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
+            sides.push(Side { edge: [p.min(q), p.max(q)], triangle: triangle as u32, opposite });
+        }
+    }
+    sides.sort_unstable();
+    sides
+}
+
+/// The sides edge by edge: one side at the border, two inside, more where the surface is not a manifold.
+pub(super) fn by_edge(sides: &[Side]) -> impl Iterator<Item = &[Side]> {
+    sides.chunk_by(|s, t| s.edge == t.edge)
+}
+
+/// Which of the three corners of `triangle` the particle `particle` is.
+pub(super) fn corner(triangle: [u32; 3], particle: u32) -> usize {
+    usize::from(triangle[1] == particle) + 2 * usize::from(triangle[2] == particle)
+}
+
+/// The ends of `side` in the order in which its triangle runs from one to the other.
+pub(super) fn direction(triangles: &[[u32; 3]], side: &Side) -> [u32; 2] {
+    let triangle = triangles[side.triangle as usize];
+    let corner = corner(triangle, side.opposite);
+    [triangle[(corner + 1) % 3], triangle[(corner + 2) % 3]]
+}
+
+/// The hinges, as [`Topology::hinges`] holds them, each with the triangles of `c` and of `d`; in the order of the
+/// edges. `c` belongs to the triangle that comes first.
+///
+/// Two triangles on the same three particles, back to back, have no hinge: there is no second particle to turn.
+pub(super) fn hinges(triangles: &[[u32; 3]], sides: &[Side]) -> impl Iterator<Item = ([u32; 4], [u32; 2])> {
+    by_edge(sides).filter_map(|shared| match shared {
+        [first, second] if first.opposite != second.opposite => {
+            let [a, b] = direction(triangles, first);
+            Some(([a, b, first.opposite, second.opposite], [first.triangle, second.triangle]))
+        }
+        _ => None,
+    })
+}
+
+/// The angle between the triangles `a b c` and `b a d` over their edge `a b`, rad, in −π..=π: 0 flat, positive where
+/// the front faces turn away from each other (a ridge seen from the front), negative in a valley.
+///
+/// ```text
+///     b          The front of `a b c` decides what front is: on a one-sided surface, where no choice of windings
+///   ／│＼        agrees across every edge, the angle across the seam is still that of the fold one sees there.
+///  c  │  d
+///   ＼│／
+///     a
+/// ```
+///
+/// 0 where a triangle has no area.
+pub(crate) fn hinge_angle(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f32 {
+    // Of unit length, because the fifth power of a micrometre leaves the range of f32.
+    let edge = (b - a).normalize_or_zero();
+    let normal_c = edge.cross(c - a);
+    let normal_d = (d - a).cross(edge);
+    normal_c.cross(normal_d).dot(edge).atan2(normal_c.dot(normal_d))
+}
+
+impl Topology {
+    /// Bending stiffness of each hinge of `fabric`, N·m per rad²: `D b / s`, so that a hinge turned by θ from its rest
+    /// angle holds the energy `½ (D b / s) θ²`.
+    ///
+    /// `b` is the rest length of the hinge and `s = (A_c + A_d) / b` the distance it speaks for, the mean height of
+    /// its two triangles: the discrete-shell weight `3 b² / (A_c + A_d) · D / 6` on both sides of `½`. `D` lies between
+    /// the stiffness for curvature along the warp and along the weft as the square of the direction cosines of the
+    /// curvature, which runs across the hinge; the two triangles are averaged.
+    pub fn hinge_stiffness(&self, fabric: &Fabric) -> Vec<f32> {
+        let sides = sides(&self.triangles);
+        let stiffness = |(hinge, sharing): ([u32; 4], [u32; 2])| {
+            let [c, d] = sharing.map(|triangle| self.side_in_triangle(triangle, hinge[0], hinge[1]));
+            let bend = |along: Vec2| {
+                let cosines = along * along / along.length_squared();
+                // A hinge along the weft (x) bends the warp.
+                fabric.bend_warp * cosines.x + fabric.bend_weft * cosines.y
+            };
+            let area: f32 =
+                sharing.iter().map(|t| 0.5 * self.triangle_rest[*t as usize].determinant()).sum();
+            0.5 * (bend(c) + bend(d)) * c.length_squared() / area
+        };
+        hinges(&self.triangles, &sides).map(stiffness).collect()
+    }
+
+    /// The rest edge from particle `a` to particle `b` of `triangle`, in the triangle's weft and warp coordinates, m.
+    fn side_in_triangle(&self, triangle: u32, a: u32, b: u32) -> Vec2 {
+        let rest = self.triangle_rest[triangle as usize];
+        let place = |particle| match corner(self.triangles[triangle as usize], particle) {
+            0 => Vec2::ZERO,
+            1 => rest.x_axis,
+            _ => rest.y_axis,
+        };
+        place(b) - place(a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f32::consts::PI;
+
+    use super::*;
+    use crate::topology::Resolution;
+
+    /// Edge up the y axis, `c` to the left, `d` to the right and turned back by `angle` about the edge.
+    fn folded(angle: f32) -> f32 {
+        hinge_angle(Vec3::ZERO, Vec3::Y, Vec3::NEG_X, Vec3::new(angle.cos(), 0.3, -angle.sin()))
+    }
+
+    #[test]
+    fn a_flat_hinge_has_no_angle_and_a_ridge_seen_from_the_front_a_positive_one() {
+        assert_eq!(folded(0.0), 0.0);
+        for angle in [1e-4, 0.1, 1.0, PI / 2.0, 3.0] {
+            assert!((folded(angle) - angle).abs() < 1e-6 * (1.0 + angle), "{angle}");
+            assert!((folded(-angle) + angle).abs() < 1e-6 * (1.0 + angle), "{angle}");
+        }
+        assert!((folded(PI).abs() - PI).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hinge_angle_does_not_depend_on_which_side_comes_first() {
+        let [a, b, c, d] = [[0.1, 0.2, 0.3], [0.4, 1.5, -0.2], [-1.0, 0.7, 0.1], [0.8, 0.4, 0.9]].map(Vec3::from);
+        assert!((hinge_angle(a, b, c, d) - hinge_angle(b, a, d, c)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hinge_without_area_has_no_angle() {
+        assert_eq!(hinge_angle(Vec3::ONE, Vec3::ONE, Vec3::X, Vec3::Y), 0.0);
+        assert_eq!(hinge_angle(Vec3::ZERO, Vec3::X, Vec3::X * 2.0, Vec3::Y), 0.0);
+    }
+
+    #[test]
+    fn bending_a_rectangle_into_a_cylinder_costs_half_d_curvature_squared_per_area() {
+        // Every hinge along the weft turns by κ·spacing; the diagonals stay flat.
+        let topology = Topology::rectangle(Vec2::new(0.6, 0.8), Resolution::Spacing(0.1)).unwrap();
+        let fabric = Fabric { bend_warp: 2e-3, bend_weft: 0.0, ..Fabric::default() };
+        let [curvature, spacing] = [0.5_f32, 0.1];
+        let energy: f32 = (topology.hinges.iter().zip(topology.hinge_stiffness(&fabric)))
+            .filter(|(hinge, _)| topology.rest[hinge[0] as usize].y == topology.rest[hinge[1] as usize].y)
+            .map(|(_, stiffness)| 0.5 * stiffness * (curvature * spacing).powi(2))
+            .sum();
+        let inner_area = 0.6 * 0.7;
+        assert!((energy / (0.5 * 2e-3 * curvature * curvature * inner_area) - 1.0).abs() < 1e-4, "{energy}");
+    }
+}

@@ -1,0 +1,89 @@
+//! What is connected to what, at rest: particles, triangles, edges, hinges, and the way back to render vertices.
+
+mod grid;
+mod hinge;
+mod mesh;
+mod orient;
+mod weld;
+
+pub use grid::Resolution;
+pub(crate) use hinge::hinge_angle;
+pub use mesh::MeshSource;
+
+use glam::{Mat2, Vec2, Vec3};
+
+/// A rectangle of particles in rows (along the weft) and columns (along the warp).
+///
+/// ```text
+///  slot = row * stride + column          top edge (row 0)
+///   0 ── 1 ── 2 ── 3 ── 4   -  -  -      weft runs along a row (x), unit stride
+///   │ \  │  / │ \  │  / │                warp runs down a column (−y), `stride` apart
+///   8 ── 9 ──10 ──11 ──12   -  -  -      diagonals alternate, so that the mesh prefers no direction
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Particles in a row, at least 2.
+    pub columns: u32,
+    /// Particles in a column, at least 2.
+    pub rows: u32,
+    /// Slots from one row to the next: `columns` rounded up to a multiple of 8.
+    pub stride: u32,
+    /// Rest distance between neighbours along the weft (x) and along the warp (y), m.
+    pub spacing: Vec2,
+}
+
+impl Grid {
+    /// The slot of the particle in `row` (0 at the top) and `column` (0 at the left).
+    pub const fn slot(&self, row: u32, column: u32) -> u32 {
+        row * self.stride + column
+    }
+}
+
+/// Rest state and connectivity of one cloth. Immutable once built, so that clothes may share it.
+///
+/// All indices are particle slots (see [`crate::particles`]).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Topology {
+    /// Rest position of each slot, cloth frame, m. Padding repeats a neighbouring particle.
+    pub rest: Vec<Vec3>,
+    /// Area each particle stands for (a third of each of its triangles), m²; 0 for padding.
+    pub area: Vec<f32>,
+    /// Triangles, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle its two edges `p1 − p0`, `p2 − p0` at rest as columns, in the triangle's plane with
+    /// x along the weft and y along the warp, m.
+    pub triangle_rest: Vec<Mat2>,
+    /// Every edge of the triangles once, `a < b`.
+    pub edges: Vec<[u32; 2]>,
+    /// Pairs of triangles over an inner edge: `[a, b, c, d]`, edge `a b`, `c` and `d` opposite to it. The triangle of
+    /// `c` runs `a → b`, the one of `d` runs `b → a`.
+    pub hinges: Vec<[u32; 4]>,
+    /// Rest angle of each hinge, rad: 0 flat, positive where the front faces turn away from each other.
+    pub hinge_rest: Vec<f32>,
+    /// For each render vertex the particle it follows. Several vertices at one place (a UV seam) follow one particle.
+    pub vertex_particle: Vec<u32>,
+    /// The rectangle's rows and columns, if it is one.
+    pub grid: Option<Grid>,
+}
+
+impl Topology {
+    /// Number of slots, padding included.
+    pub fn slots(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Number of particles, padding excluded.
+    pub fn particle_count(&self) -> usize {
+        self.particles().count()
+    }
+
+    /// The slots that are particles, in ascending order.
+    pub fn particles(&self) -> impl Iterator<Item = u32> + '_ {
+        self.area.iter().enumerate().filter(|(_, a)| **a > 0.0).map(|(i, _)| i as u32)
+    }
+
+    /// Whether `slot` is a particle.
+    pub fn is_particle(&self, slot: u32) -> bool {
+        self.area.get(slot as usize).is_some_and(|a| *a > 0.0)
+    }
+}

@@ -1,0 +1,87 @@
+//! The camera that orbits the scene, and the one that draws the panels on top.
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+use bevy::gizmos::transform_gizmo::TransformGizmoCamera;
+use bevy::prelude::*;
+use bevy_cloth_inspector::PanelWidth;
+use bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
+use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
+
+use crate::look;
+
+/// Draws after the scene (0) and the transform gizmo (1).
+const PANELS_ORDER: isize = 2;
+
+/// Where the cameras draw to: a window or a picture.
+#[derive(Resource, Clone)]
+pub struct Canvas(pub RenderTarget);
+
+/// Where a scene is looked at from at first.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct Viewpoint {
+    /// The camera's place, m.
+    pub from: Vec3,
+    /// The point in the middle of the picture, m.
+    pub to: Vec3,
+}
+
+/// Adds both cameras.
+pub struct CameraPlugin;
+
+impl Plugin for CameraPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(PanOrbitCameraPlugin)
+            .add_systems(PostStartup, spawn_cameras)
+            .add_systems(Update, leave_room_for_panel);
+        app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
+    }
+}
+
+fn spawn_cameras(mut commands: Commands, canvas: Res<Canvas>, viewpoint: Res<Viewpoint>, mut images: ResMut<Assets<Image>>) {
+    let Viewpoint { from, to } = *viewpoint;
+    commands.spawn((
+        Name::new("Camera"),
+        Camera3d::default(),
+        canvas.0.clone(),
+        Transform::from_translation(from).looking_at(to, Vec3::Y),
+        TransformGizmoCamera,
+        PanOrbitCamera {
+            focus: to,
+            button_orbit: MouseButton::Left,
+            button_pan: MouseButton::Left,
+            modifier_pan: Some(KeyCode::ShiftLeft),
+            zoom_lower_limit: 0.3,
+            zoom_upper_limit: Some(30.0),
+            pitch_lower_limit: Some(-0.2),
+            use_real_time: true,
+            ..default()
+        },
+        look::atmosphere(&mut images),
+    ));
+    commands.spawn((
+        Name::new("Camera of the panels"),
+        Camera2d,
+        PrimaryEguiContext,
+        canvas.0.clone(),
+        RenderLayers::none(),
+        Camera { order: PANELS_ORDER, clear_color: ClearColorConfig::None, ..default() },
+    ));
+}
+
+/// The scene is drawn beside the inspector, not behind it.
+fn leave_room_for_panel(mut cameras: Query<&mut Camera, With<PanOrbitCamera>>, panel: Res<PanelWidth>) {
+    for mut camera in &mut cameras {
+        let Some(info) = &camera.computed.target_info else { continue };
+        let whole = info.physical_size;
+        let taken = (panel.0 * info.scale_factor).round() as u32;
+        let left = UVec2::new(whole.x.saturating_sub(taken), whole.y);
+        let viewport = (taken > 0 && left.x > 0 && left.y > 0)
+            .then(|| Viewport { physical_size: left, ..default() });
+        if camera.viewport.as_ref().map(|viewport| viewport.physical_size)
+            != viewport.as_ref().map(|viewport| viewport.physical_size)
+        {
+            camera.viewport = viewport;
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The help window: what mouse and keys do.
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+
+use crate::keys;
+use crate::select::Selectable;
+
+/// Whether the help is open.
+#[derive(Resource, Default)]
+pub struct HelpOpen(pub bool);
+
+/// What the mouse does.
+const MOUSE: [(&str, &str); 6] = [
+    ("left drag on cloth", "grab, pull, let go"),
+    ("left click", "select an object; on nothing: deselect"),
+    ("left drag on a handle", "move or turn the selected object"),
+    ("left drag on nothing", "orbit; anywhere with Alt"),
+    ("Shift + left drag", "pan"),
+    ("wheel", "zoom"),
+];
+
+/// Shows the help.
+pub struct HelpPlugin;
+
+impl Plugin for HelpPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<HelpOpen>().add_systems(EguiPrimaryContextPass, (show_help, show_hint));
+    }
+}
+
+fn show_help(
+    mut contexts: EguiContexts,
+    mut open: ResMut<HelpOpen>,
+    selectables: Query<(&Selectable, &Name)>,
+) -> Result {
+    let context = contexts.ctx_mut()?;
+    let mut is_open = open.0;
+    egui::Window::new("Help").open(&mut is_open).resizable(false).default_pos([24.0, 24.0]).show(context, |ui| {
+        let mut objects: Vec<_> = selectables.iter().map(|(selectable, name)| (selectable.0, name.as_str())).collect();
+        objects.sort_unstable();
+        table(ui, "Mouse", MOUSE.iter().map(|(key, meaning)| ((*key).into(), (*meaning).into())));
+        table(ui, "Keys", keys::descriptions().map(|(key, meaning)| (key.into(), meaning.into())));
+        table(ui, "Objects", objects.iter().map(|(number, name)| (number.to_string(), format!("select the {name}"))));
+    });
+    if open.0 != is_open {
+        open.0 = is_open;
+    }
+    Ok(())
+}
+
+fn table(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (String, String)>) {
+    ui.strong(title);
+    egui::Grid::new(title).num_columns(2).striped(true).show(ui, |ui| {
+        for (key, meaning) in rows {
+            ui.monospace(key);
+            ui.label(meaning);
+            ui.end_row();
+        }
+    });
+    ui.add_space(6.0);
+}
+
+/// A line in the corner that tells where help is.
+fn show_hint(mut contexts: EguiContexts, open: Res<HelpOpen>) -> Result {
+    if !open.0 {
+        let context = contexts.ctx_mut()?;
+        egui::Area::new("hint".into())
+            .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -10.0])
+            .interactable(false)
+            .show(context, |ui| ui.label(egui::RichText::new("H: help").color(egui::Color32::from_gray(50))));
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! The keys, in one table that the help window shows.
+
+use bevy::gizmos::transform_gizmo::{TransformGizmoMode, TransformGizmoSettings};
+use bevy::input::InputSystems;
+use bevy::prelude::*;
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, ResetCloth, Shared};
+use bevy_cloth_inspector::{InspectorOpen, Selected};
+use bevy_egui::input::EguiWantsInput;
+use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
+
+use crate::help::HelpOpen;
+use crate::select::Selectable;
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Action {
+    Help,
+    Pause,
+    Step,
+    Reset,
+    Coloring,
+    Inspector,
+    Move,
+    Turn,
+    Deselect,
+}
+
+/// Every key: code, name and meaning.
+const BINDINGS: [(KeyCode, &str, &str, Action); 9] = [
+    (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
+    (KeyCode::Space, "Space", "pause or go on", Action::Pause),
+    (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
+    (KeyCode::KeyR, "R", "reset all cloth", Action::Reset),
+    (KeyCode::KeyC, "C", "colour by material or stress", Action::Coloring),
+    (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
+    (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
+    (KeyCode::KeyE, "E", "handles turn the selected object", Action::Turn),
+    (KeyCode::Escape, "Esc", "close the help, or deselect", Action::Deselect),
+];
+
+/// The keys of the numbers, in order from 1.
+const DIGITS: [KeyCode; 9] = [
+    KeyCode::Digit1,
+    KeyCode::Digit2,
+    KeyCode::Digit3,
+    KeyCode::Digit4,
+    KeyCode::Digit5,
+    KeyCode::Digit6,
+    KeyCode::Digit7,
+    KeyCode::Digit8,
+    KeyCode::Digit9,
+];
+
+/// Key and meaning, for the help.
+pub fn descriptions() -> impl Iterator<Item = (&'static str, &'static str)> {
+    BINDINGS.iter().map(|(_, key, meaning, _)| (*key, *meaning))
+}
+
+/// Listens to the keys.
+pub struct KeysPlugin;
+
+impl Plugin for KeysPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PreUpdate, keep_tab.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass))
+            .add_systems(PreUpdate, (act, select_by_number).run_if(nothing_is_typed).after(InputSystems));
+    }
+}
+
+fn nothing_is_typed(panels: Res<EguiWantsInput>) -> bool {
+    !panels.wants_keyboard_input()
+}
+
+/// Tab is the inspector's key here: egui would give the keyboard to its first widget.
+fn keep_tab(mut inputs: Query<&mut EguiInput>, panels: Res<EguiWantsInput>) {
+    if !panels.wants_keyboard_input() {
+        for mut input in &mut inputs {
+            input.events.retain(|event| !matches!(event, egui::Event::Key { key: egui::Key::Tab, .. }));
+        }
+    }
+}
+
+fn act(
+    mut commands: Commands,
+    keys: Res<ButtonInput<KeyCode>>,
+    mut clock: ResMut<Time<ClothClock>>,
+    mut coloring: ResMut<Shared<ClothColoring>>,
+    mut gizmo: ResMut<TransformGizmoSettings>,
+    mut help: ResMut<HelpOpen>,
+    mut inspector: ResMut<InspectorOpen>,
+    mut selected: ResMut<Selected>,
+    clothes: Query<Entity, With<Cloth>>,
+) {
+    for (_, _, _, action) in BINDINGS.iter().filter(|(key, ..)| keys.just_pressed(*key)) {
+        match action {
+            Action::Help => help.0 = !help.0,
+            Action::Pause if clock.is_paused() => clock.unpause(),
+            Action::Pause => clock.pause(),
+            Action::Step => clock.step_once(),
+            Action::Reset => clothes.iter().for_each(|entity| commands.trigger(ResetCloth { entity })),
+            Action::Coloring => {
+                coloring.0 = match coloring.0 {
+                    ClothColoring::Material => ClothColoring::Stress,
+                    ClothColoring::Stress => ClothColoring::Material,
+                }
+            }
+            Action::Inspector => inspector.0 = !inspector.0,
+            Action::Move => gizmo.mode = TransformGizmoMode::Translate,
+            Action::Turn => gizmo.mode = TransformGizmoMode::Rotate,
+            Action::Deselect if help.0 => help.0 = false,
+            Action::Deselect => selected.0 = None,
+        }
+    }
+}
+
+fn select_by_number(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut selected: ResMut<Selected>,
+    selectables: Query<(Entity, &Selectable)>,
+) {
+    for (number, _) in (1..).zip(DIGITS).filter(|(_, key)| keys.just_pressed(*key)) {
+        if let Some((entity, _)) = selectables.iter().find(|(_, selectable)| selectable.0 == number) {
+            selected.0 = Some(entity);
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The demo game: scenes, camera, mouse and keys around `bevy_cloth`. No physics in here.
+
+mod camera;
+mod cli;
+mod help;
+mod keys;
+mod look;
+mod mouse;
+mod screenshot;
+mod scenes;
+mod select;
+mod shapes;
+mod window;
+
+use bevy::diagnostic::FrameTimeDiagnosticsPlugin;
+use bevy::prelude::*;
+use bevy_cloth::{ClothDiagnosticsPlugin, ClothPlugin};
+use bevy_cloth_inspector::ClothInspectorPlugin;
+use bevy_egui::EguiPlugin;
+use clap::Parser;
+
+fn main() -> AppExit {
+    let options = cli::Options::parse();
+    let mut app = App::new();
+    match &options.screenshot {
+        Some(file) => app.add_plugins(screenshot::ScreenshotPlugin {
+            file: file.clone(),
+            at: options.at,
+            size: options.size.0,
+        }),
+        None => app.add_plugins(window::WindowedPlugin { size: options.size.0 }),
+    };
+    app.add_plugins((
+        EguiPlugin::default(),
+        FrameTimeDiagnosticsPlugin::default(),
+        ClothPlugin::default(),
+        ClothDiagnosticsPlugin,
+        ClothInspectorPlugin,
+        camera::CameraPlugin,
+        look::LookPlugin,
+        shapes::ShapesPlugin,
+        scenes::ScenesPlugin { options },
+    ));
+    app.run()
+}

@@ -1,0 +1,69 @@
+//! The sandbox: a curtain on a rod, ground, and three things to push through the curtain.
+
+use bevy::prelude::*;
+use bevy_cloth::{Cloth, ClothCollider, Fabric, Pins};
+
+use super::curtain_rod;
+use crate::camera::Viewpoint;
+use crate::select::Selectable;
+
+/// Width and height of the curtain, m.
+const CURTAIN: Vec2 = Vec2::new(2.0, 1.8);
+/// Pins along its top.
+const RODS: u32 = 6;
+/// Height of the rod above the ground, m.
+const ROD_HEIGHT: f32 = 2.15;
+/// Edge of the square of ground that is drawn, m.
+const GROUND: f32 = 120.0;
+
+/// Spawns the scene.
+pub fn spawn(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    commands.insert_resource(Viewpoint { from: Vec3::new(1.6, 1.75, 4.4), to: Vec3::new(0.2, 1.08, 0.0) });
+    commands.spawn((
+        Name::new("ground"),
+        ClothCollider::Ground,
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(GROUND, GROUND))),
+        MeshMaterial3d(materials.add(matte(Color::srgb(0.66, 0.64, 0.61)))),
+        Pickable::IGNORE,
+    ));
+
+    let velvet = materials.add(matte(Color::srgb(0.50, 0.05, 0.09)));
+    let curtain = (
+        Name::new("curtain"),
+        Selectable(1),
+        Cloth::rectangle(CURTAIN.x, CURTAIN.y),
+        Fabric::VELVET_CURTAIN,
+        Pins::rods(RODS),
+        MeshMaterial3d(velvet),
+    );
+    let rod = curtain_rod::spawn(&mut commands, Transform::from_xyz(0.0, ROD_HEIGHT, 0.0), curtain);
+    commands.entity(rod).insert((Name::new("rod"), Selectable(2)));
+
+    let mut solid = |name, number, collider, color, place| {
+        commands.spawn((
+            Name::new(name),
+            Selectable(number),
+            collider,
+            MeshMaterial3d(materials.add(glossy(color))),
+            Transform::from_translation(place),
+        ));
+    };
+    let ball = ClothCollider::Sphere { radius: 0.3 };
+    solid("sphere", 3, ball, Color::srgb(0.10, 0.42, 0.46), Vec3::new(-0.45, 0.75, -0.18));
+    let pyramid = ClothCollider::Pyramid { base: Vec2::splat(0.8), height: 0.75 };
+    solid("pyramid", 4, pyramid, Color::srgb(0.82, 0.55, 0.16), Vec3::new(1.55, 0.375, 0.25));
+    let capsule = ClothCollider::Capsule { radius: 0.16, length: 0.6 };
+    solid("capsule", 5, capsule, Color::srgb(0.24, 0.30, 0.55), Vec3::new(0.65, 0.46, 0.75));
+}
+
+fn matte(color: Color) -> StandardMaterial {
+    StandardMaterial { base_color: color, perceptual_roughness: 0.95, reflectance: 0.3, ..default() }
+}
+
+fn glossy(color: Color) -> StandardMaterial {
+    StandardMaterial { base_color: color, perceptual_roughness: 0.45, ..default() }
+}

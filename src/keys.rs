@@ -95,7 +95,10 @@ fn act(
             Action::Help => help.0 = !help.0,
             Action::Pause if clock.is_paused() => clock.unpause(),
             Action::Pause => clock.pause(),
-            Action::Step => clock.step_once(),
+            Action::Step => {
+                clock.pause();
+                clock.step_once();
+            }
             Action::Reset => clothes.iter().for_each(|entity| commands.trigger(ResetCloth { entity })),
             Action::Coloring => {
                 coloring.0 = match coloring.0 {

@@ -32,7 +32,7 @@ pub fn atmosphere(images: &mut Assets<Image>) -> impl Bundle {
     (
         DistanceFog { color: HORIZON, falloff: FogFalloff::Linear { start: HAZE.0, end: HAZE.1 }, ..default() },
         EnvironmentMapLight {
-            intensity: 650.0,
+            intensity: 520.0,
             ..EnvironmentMapLight::hemispherical_gradient(images, ZENITH, HORIZON, GROUND_BOUNCE)
         },
     )
@@ -41,10 +41,10 @@ pub fn atmosphere(images: &mut Assets<Image>) -> impl Bundle {
 fn spawn_sun(mut commands: Commands) {
     commands.spawn((
         Name::new("Sun"),
-        DirectionalLight { illuminance: 7_500.0, color: Color::srgb(1.0, 0.96, 0.90), shadow_maps_enabled: true, ..default() },
+        DirectionalLight { illuminance: 9_000.0, color: Color::srgb(1.0, 0.96, 0.90), shadow_maps_enabled: true, ..default() },
         CascadeShadowConfigBuilder { num_cascades: 2, first_cascade_far_bound: 6.0, maximum_distance: 18.0, ..default() }
             .build(),
-        Transform::from_xyz(3.0, 5.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+        Transform::from_xyz(-5.0, 5.5, 2.6).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }
 

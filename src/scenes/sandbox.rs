@@ -31,7 +31,7 @@ pub fn spawn(
         Pickable::IGNORE,
     ));
 
-    let velvet = materials.add(matte(Color::srgb(0.50, 0.05, 0.09)));
+    let velvet = materials.add(matte(Color::srgb(0.42, 0.045, 0.085)));
     let curtain = (
         Name::new("curtain"),
         Selectable(1),
@@ -53,11 +53,11 @@ pub fn spawn(
         ));
     };
     let ball = ClothCollider::Sphere { radius: 0.3 };
-    solid("sphere", 3, ball, Color::srgb(0.10, 0.42, 0.46), Vec3::new(-0.45, 0.75, -0.18));
+    solid("sphere", 3, ball, Color::srgb(0.10, 0.42, 0.46), Vec3::new(-0.42, 0.95, -0.08));
     let pyramid = ClothCollider::Pyramid { base: Vec2::splat(0.8), height: 0.75 };
-    solid("pyramid", 4, pyramid, Color::srgb(0.82, 0.55, 0.16), Vec3::new(1.55, 0.375, 0.25));
+    solid("pyramid", 4, pyramid, Color::srgb(0.82, 0.55, 0.16), Vec3::new(1.55, 0.375, 0.15));
     let capsule = ClothCollider::Capsule { radius: 0.16, length: 0.6 };
-    solid("capsule", 5, capsule, Color::srgb(0.24, 0.30, 0.55), Vec3::new(0.65, 0.46, 0.75));
+    solid("capsule", 5, capsule, Color::srgb(0.24, 0.30, 0.55), Vec3::new(0.62, 0.46, 0.8));
 }
 
 fn matte(color: Color) -> StandardMaterial {

@@ -64,15 +64,22 @@ const SUBSTEP: [(ClothSystems, &DiagnosticPath); 3] = [
 ];
 
 /// A stopwatch over the phases of one schedule: laps between them, summed over a frame.
-#[derive(Default)]
 struct Stopwatch<const PHASES: usize> {
     lap: Option<Instant>,
     seconds: [f64; PHASES],
 }
 
 impl<const PHASES: usize> Stopwatch<PHASES> {
+    const NEW: Self = Self { lap: None, seconds: [0.0; PHASES] };
+
     fn start(&mut self) {
         self.lap = Some(Instant::now());
+    }
+
+    /// The seconds of each phase; counts from zero again.
+    fn take(&mut self) -> [f64; PHASES] {
+        self.lap = None;
+        std::mem::replace(&mut self.seconds, [0.0; PHASES])
     }
 
     /// Ends the phase `index` and begins the next.
@@ -96,8 +103,8 @@ struct Lap(usize);
 
 impl Plugin for ClothDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(TickWatch(default()))
-            .insert_resource(SubstepWatch(default()))
+        app.insert_resource(TickWatch(Stopwatch::NEW))
+            .insert_resource(SubstepWatch(Stopwatch::NEW))
             .add_systems(ClothSchedule, (|mut watch: ResMut<TickWatch>| watch.0.start()).before(TICK[0].0))
             .add_systems(ClothSubstepSchedule, (|mut watch: ResMut<SubstepWatch>| watch.0.start()).before(SUBSTEP[0].0))
             .add_systems(Last, tell);
@@ -137,8 +144,8 @@ fn tell(
     mut substep: ResMut<SubstepWatch>,
     cloths: Query<(&ClothTopology, &Particles, &Constraints, &Contacts)>,
 ) {
-    if tick.0.lap.take().is_some() {
-        let seconds = std::mem::take(&mut tick.0.seconds).into_iter().chain(std::mem::take(&mut substep.0.seconds));
+    if tick.0.lap.is_some() {
+        let seconds = tick.0.take().into_iter().chain(substep.0.take());
         for ((_, path), seconds) in TICK.iter().chain(&SUBSTEP).zip(seconds) {
             diagnostics.add_measurement(path, || seconds * 1000.0);
         }

@@ -10,6 +10,16 @@ use crate::prepare::StepPlan;
 use crate::report::report;
 use crate::step::{ClothTick, clear_forces};
 
+/// Whether every number is finite that a tick goes on from. Inverse masses count: to the solver a NaN is a pin.
+pub(crate) fn is_finite(particles: &Particles) -> bool {
+    // A maximum of integers, which the compiler turns into vector code; infinity and NaN have the largest exponent.
+    let largest = particles.inverse_mass.iter().fold(0, |largest, w| (w.to_bits() & !SIGN).max(largest));
+    largest < f32::INFINITY.to_bits() && particles.is_finite()
+}
+
+/// The sign bit of an f32.
+const SIGN: u32 = 1 << 31;
+
 /// Puts a cloth back into its last finite shape, at rest. Masses and constraints are made anew, because whatever
 /// spoilt the positions may have spoilt them too.
 pub(crate) fn recover(
@@ -52,7 +62,7 @@ pub(crate) fn mend(
         if plan.substeps == 0 {
             continue;
         }
-        if !particles.is_finite() {
+        if !is_finite(&particles) {
             let fabric = fabric.copied().unwrap_or_default();
             recover(topology, &fabric, &mut particles, &mut constraints, &history);
             report(&mut commands, ClothRecovered { entity });

@@ -33,12 +33,12 @@ fn draw(world: &mut World) -> Option<f32> {
 fn sections(ui: &mut egui::Ui, world: &mut World) {
     let cloth = shown_cloth(world);
     section(ui, "Time", true, |ui| world::clock(ui, world));
+    section(ui, "Selected object", true, |ui| object::show(ui, world));
     if let Some(entity) = cloth {
         section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
         section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
     }
     section(ui, "World", true, |ui| world::settings(ui, world, cloth));
-    section(ui, "Selected object", true, |ui| object::show(ui, world));
     section(ui, "Statistics", true, |ui| statistics::show(ui, world, cloth));
 }
 

@@ -67,7 +67,7 @@ impl Cloth {
         self.particles.acceleration = gravity;
         for index in 0..tick.substeps.max(1) {
             let sub = tick.substep(index);
-            crate::method::xpbd::integrate(&mut self.particles, &mut self.constraints, &sub);
+            crate::method::xpbd::integrate(&mut self.particles, &self.constraints, &sub);
             crate::method::xpbd::solve(&mut self.particles, &mut self.constraints, &sub);
             crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
         }

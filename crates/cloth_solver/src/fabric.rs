@@ -7,8 +7,9 @@ use crate::ClothError;
 /// Standard gravity, m/s² (ISO 80000-3). Bending lengths and self-weight strains are quoted for it.
 pub const STANDARD_GRAVITY: f32 = 9.806_65;
 
-/// Damping of every preset, s. An estimate: published fabric measurements are quasi-static and give none.
-const DAMPING: f32 = 0.005;
+/// Damping of every preset, 1/s. An estimate, chosen so that a metre of cloth draped on an edge rests within ten seconds:
+/// published fabric measurements are quasi-static and give none.
+const DAMPING: f32 = 0.5;
 
 /// A fabric in SI units. Warp is the direction along the roll (a curtain's height), weft across it.
 ///
@@ -38,8 +39,8 @@ pub struct Fabric {
     pub bend_warp: f32,
     /// Bending stiffness for curvature along the weft, N·m; 0..=1e4.
     pub bend_weft: f32,
-    /// Internal damping of shear and bending: the time constant of the Kelvin–Voigt dashpot beside each spring, s;
-    /// 0..=10. The 0.005 of the presets is an estimate, not a measurement.
+    /// Internal friction: the rate at which motion that is not rigid motion of the whole cloth fades, 1/s; 0..=1000,
+    /// default 0.5. Free fall and momentum do not feel it.
     pub damping: f32,
     /// Coulomb friction coefficient against a collider, dimensionless; 0..=10.
     pub friction: f32,
@@ -291,7 +292,7 @@ impl Fabric {
         check("Fabric::shear", self.shear, 0.0..=1e9, "0..=1e9 N/m")?;
         bending("Fabric::bend_warp", self.bend_warp)?;
         bending("Fabric::bend_weft", self.bend_weft)?;
-        check("Fabric::damping", self.damping, 0.0..=10.0, "0..=10 s")?;
+        check("Fabric::damping", self.damping, 0.0..=1000.0, "0..=1000 1/s")?;
         check("Fabric::friction", self.friction, 0.0..=10.0, "0..=10")?;
         check("Fabric::stretch_limit", self.stretch_limit, 1e-4..=10.0, "1e-4..=10")
     }
@@ -303,73 +304,5 @@ impl Fabric {
     pub fn bending_length(&self) -> Vec2 {
         let weight = self.areal_density * STANDARD_GRAVITY;
         Vec2::new((self.bend_weft / weight).cbrt(), (self.bend_warp / weight).cbrt())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What is not soft enough to fall in folds.
-    const NOT_CLOTH: [&str; 1] = ["Paper"];
-
-    #[test]
-    fn every_preset_is_valid_and_has_a_name_of_its_own() {
-        assert_eq!(Fabric::PRESETS.len(), 14);
-        for (i, (name, fabric)) in Fabric::PRESETS.iter().enumerate() {
-            assert_eq!(fabric.validate(), Ok(()), "{name}");
-            assert!(Fabric::PRESETS[..i].iter().all(|(n, f)| n != name && f != fabric), "{name}");
-        }
-        assert_eq!(Fabric::default(), Fabric::PRESETS[0].1);
-    }
-
-    #[test]
-    fn cloths_have_bending_lengths_of_three_quarters_to_four_centimetres_and_paper_more() {
-        for (name, fabric) in Fabric::PRESETS {
-            let length = fabric.bending_length();
-            let is_cloth = length.min_element() >= 0.0075 && length.max_element() <= 0.04;
-            assert_eq!(is_cloth, !NOT_CLOTH.contains(name), "{name}: {length} m");
-        }
-        assert!(Fabric::PAPER.bending_length().min_element() > 0.07);
-    }
-
-    #[test]
-    fn poplin_has_the_bending_length_of_the_closed_form() {
-        // (8e-6 / (0.15 · 9.80665))^(1/3)
-        assert!((Fabric::COTTON_POPLIN.bending_length().y - 0.017_588).abs() < 1e-5);
-    }
-
-    #[test]
-    fn an_invalid_number_is_refused_under_the_name_of_its_field() {
-        let set: [(&str, fn(&mut Fabric, f32)); 10] = [
-            ("Fabric::areal_density", |f, v| f.areal_density = v),
-            ("Fabric::thickness", |f, v| f.thickness = v),
-            ("Fabric::stretch_warp", |f, v| f.stretch_warp = v),
-            ("Fabric::stretch_weft", |f, v| f.stretch_weft = v),
-            ("Fabric::shear", |f, v| f.shear = v),
-            ("Fabric::bend_warp", |f, v| f.bend_warp = v),
-            ("Fabric::bend_weft", |f, v| f.bend_weft = v),
-            ("Fabric::damping", |f, v| f.damping = v),
-            ("Fabric::friction", |f, v| f.friction = v),
-            ("Fabric::stretch_limit", |f, v| f.stretch_limit = v),
-        ];
-        for (name, set) in set {
-            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e10] {
-                let mut fabric = Fabric::default();
-                set(&mut fabric, bad);
-                let Err(ClothError::OutOfRange { field, .. }) = fabric.validate() else {
-                    panic!("{name} = {bad} was accepted");
-                };
-                assert_eq!(field, name);
-            }
-        }
-    }
-
-    #[test]
-    fn a_fabric_may_lack_shear_bending_damping_and_friction_but_not_stretch_or_mass() {
-        let zero = Fabric { shear: 0.0, bend_warp: 0.0, bend_weft: 0.0, damping: 0.0, friction: 0.0, ..Fabric::VOILE };
-        assert_eq!(zero.validate(), Ok(()));
-        assert!(Fabric { stretch_warp: 0.0, ..Fabric::VOILE }.validate().is_err());
-        assert!(Fabric { areal_density: 0.0, ..Fabric::VOILE }.validate().is_err());
     }
 }

@@ -5,6 +5,7 @@
 
 use glam::{DMat2, DVec3, Vec3};
 
+use crate::lanes::LANES;
 use crate::{Grid, Particles, Soa3, Topology};
 
 mod elastic;
@@ -13,9 +14,9 @@ pub use elastic::elastic_energy;
 
 /// Mass, position and velocity of each slot; padding has mass 0.
 fn states(particles: &Particles) -> impl Iterator<Item = (f64, DVec3, DVec3)> + '_ {
-    (particles.mass.iter().enumerate()).filter(|(_, mass)| **mass > 0.0).map(|(i, mass)| {
-        (f64::from(*mass), particles.position.get(i).as_dvec3(), particles.velocity.get(i).as_dvec3())
-    })
+    (particles.mass.iter().enumerate())
+        .filter(|(_, mass)| **mass > 0.0)
+        .map(|(i, mass)| (f64::from(*mass), particles.position.get(i).as_dvec3(), particles.velocity.get(i).as_dvec3()))
 }
 
 /// Kinetic energy `Σ ½ m v²`, J.
@@ -41,9 +42,8 @@ pub fn angular_momentum(particles: &Particles, about: DVec3) -> DVec3 {
 
 /// Centre of mass, m; the origin if there is no mass.
 pub fn centre_of_mass(particles: &Particles) -> DVec3 {
-    let (mass, moment) = states(particles).fold((0.0, DVec3::ZERO), |(total, moment), (mass, position, _)| {
-        (total + mass, moment + mass * position)
-    });
+    let (mass, moment) = states(particles)
+        .fold((0.0, DVec3::ZERO), |(total, moment), (mass, position, _)| (total + mass, moment + mass * position));
     if mass > 0.0 { moment / mass } else { DVec3::ZERO }
 }
 
@@ -76,10 +76,7 @@ pub fn edge_strains<'a>(
 
 /// The strains a fabric feels along its threads, each with the particles it acts on (repeated to make three): of the
 /// warp and weft edges of a rectangle, of the warp and weft directions of each triangle of any other mesh.
-fn thread_strains<'a>(
-    topology: &'a Topology,
-    particles: &'a Particles,
-) -> impl Iterator<Item = ([u32; 3], f32)> + 'a {
+fn thread_strains<'a>(topology: &'a Topology, particles: &'a Particles) -> impl Iterator<Item = ([u32; 3], f32)> + 'a {
     let is_grid = topology.grid.is_some();
     let of_edges = (is_grid.then(|| edge_strains(topology, particles)).into_iter().flatten())
         .map(|([a, b], strain)| ([a, b, b], strain));
@@ -112,10 +109,18 @@ pub fn particle_strain(topology: &Topology, particles: &Particles, out: &mut Vec
 /// The corners of the smallest axis-aligned box around all particles, m; the origin twice if there is none.
 /// Coordinates that are NaN are left out.
 pub fn bounds(topology: &Topology, positions: &Soa3) -> (Vec3, Vec3) {
+    // One extreme per lane: a single one would wait for itself at every particle.
     let around = |values: &[f32]| {
-        (values.iter().zip(&topology.area))
-            .filter(|(_, area)| **area > 0.0)
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (value, _)| (low.min(*value), high.max(*value)))
+        let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let (values, areas) = (values.as_chunks::<LANES>().0, topology.area.as_chunks::<LANES>().0);
+        for (values, areas) in values.iter().zip(areas) {
+            for lane in 0..LANES {
+                let (value, is_particle) = (values[lane], areas[lane] > 0.0);
+                low[lane] = if is_particle & (value < low[lane]) { value } else { low[lane] };
+                high[lane] = if is_particle & (value > high[lane]) { value } else { high[lane] };
+            }
+        }
+        (low.into_iter().fold(f32::INFINITY, f32::min), high.into_iter().fold(f32::NEG_INFINITY, f32::max))
     };
     let [x, y, z] = [&positions.x, &positions.y, &positions.z].map(|values| around(values));
     let (min, max) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
@@ -229,7 +234,8 @@ mod tests {
             particles.velocity.set(i, velocity + spin.cross(arm));
         }
         let mass = 0.2 * 1.2 * 0.8;
-        let inertia: f64 = states(&particles).map(|(m, p, _)| m * (p - DVec3::new(5.0, 1.0, 0.0)).length_squared()).sum();
+        let inertia: f64 =
+            states(&particles).map(|(m, p, _)| m * (p - DVec3::new(5.0, 1.0, 0.0)).length_squared()).sum();
         assert!((linear_momentum(&particles) - mass * velocity.as_dvec3()).length() < 1e-7);
         assert!((centre_of_mass(&particles) - DVec3::new(5.0, 1.0, 0.0)).length() < 1e-6);
         let turning = angular_momentum(&particles, DVec3::new(5.0, 1.0, 0.0));

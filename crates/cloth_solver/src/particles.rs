@@ -7,7 +7,7 @@
 //! grid of 5 columns, stride 8                     mesh of 11 particles
 //! row 0   p0 p1 p2 p3 p4  -  -  -                 p0 p1 p2 p3 p4 p5 p6 p7
 //! row 1   p8 p9 …                                 p8 p9 p10 -  -  -  -  -
-//! tail    -  -  -  -  -  -  -  -                  tail
+//! tail    16 more                                 tail    16 more
 //! ```
 
 use glam::Vec3;
@@ -101,8 +101,13 @@ pub struct Particles {
     pub velocity: Soa3,
     /// Mass, kg; 0 for padding.
     pub mass: Vec<f32>,
-    /// 1/mass, 1/kg; 0 for padding and for pinned particles.
+    /// 1/inertia, 1/kg; 0 for padding and for pinned particles. Inertia is mass, or more under a load: see
+    /// [`crate::method::xpbd`].
     pub inverse_mass: Vec<f32>,
+    /// Inertia that the loads of the last substep ask for, kg.
+    pub load: Vec<f32>,
+    /// Inertia each particle has, kg: its mass or more.
+    pub inertia: Vec<f32>,
     /// Acceleration all particles share in this tick (gravity), m/s².
     pub acceleration: Vec3,
     /// Further force on each particle in this tick, N. `None` costs nothing.
@@ -118,6 +123,8 @@ impl Particles {
             previous: Soa3::from_slice(&topology.rest),
             velocity: Soa3::zeros(topology.rest.len()),
             inverse_mass: mass.iter().map(|m| if *m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
+            load: vec![0.0; mass.len()],
+            inertia: mass.clone(),
             mass,
             acceleration: Vec3::ZERO,
             force: None,
@@ -137,6 +144,11 @@ impl Particles {
         let len = self.slots();
         let all = self.force.get_or_insert_with(|| Soa3::zeros(len));
         all.set(slot, all.get(slot) + force);
+    }
+
+    /// How many particles carry more inertia than mass now; see [`crate::method::xpbd`].
+    pub fn scaled(&self) -> usize {
+        self.load.iter().zip(&self.mass).filter(|(load, mass)| *mass > &0.0 && load > mass).count()
     }
 
     /// Whether positions and velocities are all finite.

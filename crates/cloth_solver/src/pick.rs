@@ -98,7 +98,9 @@ impl Surface {
             let (min, max) = if count > 0 {
                 let run = &self.order[next as usize..(next + count) as usize];
                 let corners = run.iter().flat_map(|triangle| topology.triangles[*triangle as usize]);
-                corners.map(|slot| positions.get(slot as usize)).fold(empty, |(min, max), p| (low(min, p), high(max, p)))
+                corners
+                    .map(|slot| positions.get(slot as usize))
+                    .fold(empty, |(min, max), p| (low(min, p), high(max, p)))
             } else {
                 let [a, b] = [self.nodes[index + 1], self.nodes[next as usize]];
                 (a.min.min(b.min), a.max.max(b.max))
@@ -127,7 +129,8 @@ impl Surface {
             if node.count == 0 {
                 // The child that lies ahead along the ray last, so that it is looked into first.
                 let [first, second] = [index + 1, node.next];
-                let centre = |child: u32| (self.nodes[child as usize].min + self.nodes[child as usize].max).dot(direction);
+                let centre =
+                    |child: u32| (self.nodes[child as usize].min + self.nodes[child as usize].max).dot(direction);
                 let children = if centre(first) <= centre(second) { [second, first] } else { [first, second] };
                 waiting[count..count + 2].copy_from_slice(&children);
                 count += 2;

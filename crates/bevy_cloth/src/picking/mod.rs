@@ -1,6 +1,15 @@
 //! Picking: a backend on the deformed surface, and the hand that grabs.
-use bevy::picking::pointer::PointerButton;
+
+mod backend;
+mod hand;
+
+use bevy::asset::uuid_handle;
+use bevy::picking::PickingSystems;
+use bevy::picking::backend::ray::RayMap;
+use bevy::picking::mesh_picking::ray_cast::SimplifiedMesh;
+use bevy::picking::pointer::{PointerButton, PointerInput};
 use bevy::prelude::*;
+
 /// How pointers meet cloth.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
@@ -9,23 +18,77 @@ pub struct ClothPicking {
     pub enabled: bool,
     /// The button that grabs while it is held, or `None` for no grabbing. Default the primary (left) button.
     pub button: Option<PointerButton>,
-    /// Stiffness of the hand, N/m, more than 0. Default 200.
+    /// Stiffness of the hand, N/m; 0.001 to 10,000,000. Default 200.
     pub stiffness: f32,
-    /// The hand never pulls harder than this, N, 0 or more. Default 20.
+    /// The hand never pulls harder than this, N; 0 to 1,000,000. Default 20.
     pub max_force: f32,
 }
+
 impl Default for ClothPicking {
     fn default() -> Self {
         Self { enabled: true, button: Some(PointerButton::Primary), stiffness: 200.0, max_force: 20.0 }
     }
 }
-/// Where a pointer hit a cloth: the `extra` data of its [`HitData`](bevy::picking::backend::HitData).
+
+/// Where a pointer hit a cloth: the `extra` data of its [`HitData`](bevy::picking::backend::HitData), whose position
+/// and normal are those of the surface in the world.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// use bevy_cloth::ClothHit;
+///
+/// fn name_the_triangle(press: On<Pointer<Press>>) {
+///     if let Some(hit) = press.hit.extra_as::<ClothHit>() {
+///         info!("triangle {} of {}", hit.triangle, press.entity);
+///     }
+/// }
+/// # App::new().add_observer(name_the_triangle);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothHit {
-    /// The particle nearest to the point hit.
+    /// The corner of the triangle nearest to the point hit: slot of a particle.
     pub particle: u32,
-    /// The triangle hit.
+    /// The triangle hit: index into the triangles of the cloth's [`ClothTopology`](crate::ClothTopology).
     pub triangle: u32,
-    /// Barycentric weights of the point hit.
+    /// Barycentric weights of the point hit; they sum to 1.
     pub weights: Vec3,
+}
+
+/// A handle to no mesh.
+const NO_MESH: Handle<Mesh> = uuid_handle!("6f0f9c0b-3c1e-4a5f-9d0a-5a8ecb5f2c11");
+
+/// Keeps Bevy's own mesh picking off the mesh a cloth draws, which it would read whole for every ray: it takes the
+/// simplified mesh of an entity for the real one, and this one does not exist.
+#[cfg(feature = "render")]
+pub(crate) fn hidden_from_mesh_picking() -> impl Bundle {
+    SimplifiedMesh(NO_MESH)
+}
+
+/// Takes off an entity what picking put on it.
+pub(crate) fn forget(entity: &mut EntityWorldMut) {
+    entity.remove::<backend::ClothSurface>();
+    if entity.get::<SimplifiedMesh>().is_some_and(|mesh| mesh.0 == NO_MESH) {
+        entity.remove::<SimplifiedMesh>();
+    }
+}
+
+/// Adds the systems of this folder. They run where Bevy's picking plugins are.
+pub(crate) fn plugin(app: &mut App) {
+    app.init_resource::<ClothPicking>()
+        .register_type::<ClothPicking>()
+        .init_resource::<hand::Hands>()
+        .add_observer(hand::grab)
+        .add_systems(
+            PreUpdate,
+            (
+                backend::cast.in_set(PickingSystems::Backend),
+                (
+                    hand::release.run_if(resource_exists::<Messages<PointerInput>>),
+                    hand::pull,
+                )
+                    .chain()
+                    .in_set(PickingSystems::PostHover),
+            )
+                .run_if(resource_exists::<RayMap>),
+        );
 }

@@ -108,10 +108,6 @@ impl WantedItem<'_, '_> {
         self.pins.as_deref()
     }
 
-    pub fn has_grabs(&self) -> bool {
-        self.grabs.is_some()
-    }
-
     /// The mesh the user gave the entity, seen past the one the cloth draws.
     pub fn user_mesh(&self) -> Option<AssetId<Mesh>> {
         match (self.mesh, self.drawn) {

@@ -185,10 +185,14 @@ impl RunningItem<'_, '_> {
     fn change_fabric(&mut self, fabric: &Fabric) -> Result<(), ClothError> {
         fabric.validate()?;
         let mut constraints = Constraints::new(&self.topology.0, fabric)?;
-        let Particles { mass, inverse_mass, .. } = Particles::new(&self.topology.0, fabric.areal_density);
-        let particles = &mut *self.particles;
-        (particles.mass, particles.inverse_mass) = (mass, inverse_mass);
-        constraints.set_pins(particles, self.constraints.pins().clone())?;
+        let mut particles = Particles::new(&self.topology.0, fabric.areal_density);
+        constraints.set_pins(&mut particles, self.constraints.pins().clone())?;
+        let old = &mut *self.particles;
+        std::mem::swap(&mut particles.position, &mut old.position);
+        std::mem::swap(&mut particles.previous, &mut old.previous);
+        std::mem::swap(&mut particles.velocity, &mut old.velocity);
+        particles.force = old.force.take();
+        *old = particles;
         constraints.grabs = std::mem::take(&mut self.constraints.grabs);
         *self.constraints = constraints;
         self.contacts.offset = Contacts::offset_for(&self.topology.0, fabric);

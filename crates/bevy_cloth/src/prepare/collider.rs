@@ -60,7 +60,7 @@ pub(crate) fn build(
         if !reshaped && !rubbed {
             continue;
         }
-        state.seen = Some((collider.clone(), scale));
+        state.seen = Some((ClothCollider::clone(&collider), scale));
         state.friction = friction.as_deref().copied();
         let made = shape(&collider, scale).and_then(|shape| state.check_friction().map(|()| shape));
         state.shape = made.as_ref().ok().cloned();

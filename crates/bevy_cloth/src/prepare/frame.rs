@@ -22,26 +22,21 @@ use crate::step::ClothTick;
 pub(crate) struct StepPlan {
     /// How many substeps; 0 if it stands in this tick.
     pub substeps: u32,
-    /// How many the load asked for in the last tick it took part in.
-    loaded: u32,
     /// Where each hand pulled to at the end of the last tick, in the world.
     hands: Vec<(u32, Vec3)>,
 }
 
 impl StepPlan {
-    /// Finds the number of substeps from the load of the last tick. Where the solver had to add inertia to a particle
-    /// to keep it stable, by a factor f, √f times as many substeps would have made do without; a quiet cloth comes
-    /// back to its budget one by one.
+    /// Finds the number of substeps from the load of the last tick. Where a particle's load asks for f times the inertia
+    /// it has, √f times as many substeps do without it; a cloth that is relieved comes back to its budget one by one.
     fn plan_substeps(&mut self, budget: &Substeps, particles: &Particles) {
-        let inertia = particles.inverse_mass.iter().zip(&particles.mass).map(|(w, mass)| w * mass);
-        let smallest = inertia.fold(1.0_f32, |least, part| if part > 0.0 { least.min(part) } else { least });
-        let asked = if smallest < 1.0 - 1e-4 {
-            (self.loaded.max(budget.count) as f32 / smallest.sqrt()).ceil() as u32
-        } else {
-            self.loaded.saturating_sub(1)
-        };
-        self.loaded = asked.min(budget.max).max(budget.count);
-        self.substeps = self.loaded;
+        let mut heaviest = 0.0_f32;
+        for (load, mass) in particles.load.iter().zip(&particles.mass) {
+            heaviest = if *load > heaviest * mass && *mass > 0.0 { load / mass } else { heaviest };
+        }
+        let asked = (self.substeps.max(1) as f32 * heaviest.sqrt()).ceil() as u32;
+        let relieved = self.substeps.saturating_sub(1);
+        self.substeps = asked.max(relieved).min(budget.max).max(budget.count);
     }
 
     /// What this cloth does in the substep at hand, if it has so many.
@@ -87,7 +82,7 @@ pub(crate) fn advance(
         }
         let lost = cloth.frame.lost;
         cloth.move_frame(placements.get(cloth.entity));
-        if !cloth.particles.is_finite() {
+        if !fault::is_finite(&cloth.particles) {
             cloth.recover();
             report(&mut commands, ClothRecovered { entity: cloth.entity });
         } else if cloth.frame.lost && !lost {

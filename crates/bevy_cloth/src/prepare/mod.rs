@@ -18,7 +18,7 @@ use crate::schedule::{ClothSchedule, ClothSystems};
 pub(crate) use anchors::Anchors;
 pub(crate) use authored::Authored;
 pub(crate) use collider::ColliderState;
-pub(crate) use frame::{StepPlan, reset};
+pub(crate) use frame::StepPlan;
 #[cfg(feature = "render")]
 pub(crate) use placement::Placements;
 pub(crate) use source::Skin;

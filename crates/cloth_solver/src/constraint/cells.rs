@@ -14,12 +14,12 @@ use fearless_simd::{Simd, f32x8};
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::{Grid, Soa3};
 
-/// How much the two constraints of a cell give way in one step.
+/// α̃ of the two constraints of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellModel {
-    /// Solving: 1/(G a b h²). Damping: 1/(G τ a b Δt). `None` if the fabric does not resist shear.
+    /// 1/(G a b h²). `None` if the fabric does not resist shear.
     pub shear: Option<f32>,
-    /// Solving: a b/(2 D h²), damping: a b/(2 D τ Δt), 1/kg. `None` if the fabric does not resist twist.
+    /// a b/(2 D h²), 1/kg. `None` if the fabric does not resist twist.
     pub twist: Option<f32>,
 }
 
@@ -46,12 +46,6 @@ impl Cells<'_> {
     #[inline(always)]
     pub fn solve<S: Simd>(self, simd: S, position: &mut Soa3) {
         self.each_eight(|at| self.solve_eight(simd, position, at));
-    }
-
-    /// Damps the rates of shear and twist of all cells once.
-    #[inline(always)]
-    pub fn damp<S: Simd>(self, simd: S, position: &Soa3, velocity: &mut Soa3) {
-        self.each_eight(|at| self.damp_eight(simd, position, velocity, at));
     }
 
     /// Calls `act` for every second cell of sixteen with the slot of the first of them, colour by colour.
@@ -84,23 +78,6 @@ impl Cells<'_> {
             cell.push(&gradient, lambda, &w);
         }
         cell.store(position, at, self.grid);
-    }
-
-    #[inline(always)]
-    fn damp_eight<S: Simd>(self, simd: S, position: &Soa3, velocity: &mut Soa3, at: usize) {
-        let w = self.weights(simd, at);
-        let mut rates = Corners::load(simd, velocity, at, self.grid);
-        let still = rates;
-        if let Some(compliance) = self.model.twist {
-            rates.untwist(simd, still, &w, compliance);
-        }
-        if let Some(compliance) = self.model.shear {
-            let gradient = ShearGradient::new(simd, Corners::load(simd, position, at, self.grid), self.grid);
-            let rate = gradient.g11.dot(still.p11 - still.p00) + gradient.g10.dot(still.p10 - still.p01);
-            let lambda = rate * w.on * gradient.scale(simd, &w, compliance);
-            rates.push(&gradient, lambda, &w);
-        }
-        rates.store(velocity, at, self.grid);
     }
 
     #[inline(always)]

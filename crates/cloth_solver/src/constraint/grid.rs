@@ -1,17 +1,15 @@
 //! The constraints of a grid: cells, then rows, then columns.
 
-use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells};
 use super::lines::{self, Block, Elimination, Rows};
-use crate::lanes::{LANES, load, splat, store};
+use crate::lanes::{LANES, load, splat};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
-/// The largest T h²/(m l) at which exactly solved lines are run, T summed over warp and weft. Their transverse waves are
-/// explicit and have at most ω² = 4 T/(m l), so h ω < 2 asks for less than 1; the tension used is one substep old and
-/// doubles from one to the next in an impact, which takes the rest.
-const STABLE_LOAD: f32 = 0.25;
+/// T h²/(m l) that a particle under a lasting load is given the inertia for. Warp and weft are solved one after the other,
+/// so where both carry much they leave a strain of this order times the ratio of their loads' change over an edge.
+const STATIC_LOAD: f32 = 0.25;
 
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
 #[derive(Clone, Debug)]
@@ -22,14 +20,14 @@ pub(super) struct GridConstraints {
     /// 1 inside, ½ for the outermost rows and columns, which stand for half the width; per row and per column slot.
     row_width: Vec<f32>,
     column_width: Vec<f32>,
-    rows_vector: Soa3,
+    rows_position: Soa3,
     rows_inverse_mass: Vec<f32>,
+    rows_previous: Soa3,
     rows_load: Vec<f32>,
+    /// Multipliers of the links of each block of eight rows or columns.
+    weft_lambda: Vec<f32>,
+    warp_lambda: Vec<f32>,
     elimination: Elimination,
-    /// Tension over length of the lines through each particle in the last substep, N/m.
-    load: Vec<f32>,
-    /// Whether any particle has more inertia than mass.
-    scaled: bool,
 }
 
 impl GridConstraints {
@@ -51,11 +49,12 @@ impl GridConstraints {
             cell_mask,
             row_width: widths(rows, rows.next_multiple_of(LANES)),
             column_width: widths(columns, stride),
-            rows_vector: Soa3::zeros(stride * LANES),
+            rows_position: Soa3::zeros(stride * LANES),
             rows_inverse_mass: vec![0.0; stride * LANES],
+            rows_previous: Soa3::zeros(stride * LANES),
             rows_load: vec![0.0; stride * LANES],
-            load: vec![0.0; topology.slots()],
-            scaled: false,
+            weft_lambda: vec![0.0; rows.next_multiple_of(LANES) * columns],
+            warp_lambda: vec![0.0; stride * rows],
             elimination: Elimination::new(rows.max(columns)),
         }
     }
@@ -75,80 +74,63 @@ impl GridConstraints {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)
     }
 
-    /// Returns whether inverse masses were written, those of pinned particles among them.
     #[inline(always)]
-    pub fn scale_masses<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> bool {
-        let scale = splat(simd, h * h / STABLE_LOAD);
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let groups = || (0..self.load.len() / LANES).map(|group| group * LANES);
-        let mut excess = splat(simd, f32::NEG_INFINITY);
-        for i in groups() {
-            excess = excess.max(load(simd, &self.load, i) * scale - load(simd, &particles.mass, i));
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+        self.solve_cells(simd, particles, h);
+        let weft = self.solve_rows(simd, particles, h);
+        let warp = self.solve_columns(simd, particles, h);
+        if weft > lines::EXPLICIT_LOAD {
+            self.soften_rows(simd, particles);
         }
-        let overloaded = excess.reduce_max() > 0.0;
-        if !overloaded && !self.scaled {
-            return false;
+        if warp > lines::EXPLICIT_LOAD {
+            self.soften_columns(simd, particles);
         }
-        for i in groups() {
-            let mass = load(simd, &particles.mass, i);
-            let w = one / mass.max(load(simd, &self.load, i) * scale);
-            store(mass.simd_gt(zero).select(w, zero), &mut particles.inverse_mass, i);
-        }
-        self.scaled = overloaded;
-        true
     }
 
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
-        self.load.fill(0.0);
-        self.solve_cells(simd, particles, h);
-        self.solve_rows(simd, particles, h);
-        self.solve_columns(simd, particles, h);
+    fn soften_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+        let (rows, block) = (self.rows(), self.row_block());
+        for first in (0..rows.rows).step_by(LANES) {
+            gather(simd, &particles.position, &mut self.rows_position, rows, first);
+            gather(simd, &particles.previous, &mut self.rows_previous, rows, first);
+            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
+            let lambda = links(&mut self.weft_lambda, block, first);
+            let (x, previous, w) = (&mut self.rows_position, &self.rows_previous, &self.rows_inverse_mass);
+            lines::soften(simd, block, x, previous, w, lambda, &mut self.elimination);
+            scatter(simd, x, &mut particles.position, rows, first);
+            self.rows_load.fill(0.0);
+            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), &mut self.rows_load);
+            lines::scatter_rows(simd, &self.rows_load, &mut particles.load, rows, first);
+        }
+    }
+
+    #[inline(always)]
+    fn soften_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+        let Particles { position, previous, inverse_mass, load: inertia, .. } = particles;
+        for base in (0..self.grid.stride as usize).step_by(LANES) {
+            let block = self.column_block(base);
+            let lambda = links(&mut self.warp_lambda, block, base);
+            lines::soften(simd, block, position, previous, inverse_mass, lambda, &mut self.elimination);
+            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
+        }
     }
 
     #[inline(always)]
     fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
         let Particles { position, inverse_mass, .. } = particles;
-        let model = self.cell_model(h * h);
+        let model = self.cell_model(h);
         if model.shear.is_some() || model.twist.is_some() {
             Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position);
         }
     }
 
-    /// Compliance of a cell against `scale` times its stiffness.
-    fn cell_model(&self, scale: f32) -> CellModel {
+    /// α̃ of the cells.
+    fn cell_model(&self, h: f32) -> CellModel {
         let area = self.grid.spacing.x * self.grid.spacing.y;
-        let (shear, twist) = (self.fabric.shear * scale, self.twist_stiffness() * scale);
+        let (shear, twist) = (self.fabric.shear * h * h, self.twist_stiffness() * h * h);
         CellModel {
             shear: (shear > 0.0).then(|| 1.0 / (shear * area)),
             twist: (twist > 0.0).then(|| area / (2.0 * twist)),
-        }
-    }
-
-    /// Takes from the rates of shear, twist and bending what the fabric's dashpots take in `dt`.
-    #[inline(always)]
-    pub fn damp<S: Simd>(&mut self, simd: S, particles: &mut Particles, dt: f32) {
-        let scale = self.fabric.damping * dt;
-        let Particles { position, velocity, inverse_mass, .. } = particles;
-        let model = self.cell_model(scale);
-        if model.shear.is_some() || model.twist.is_some() {
-            Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.damp(simd, position, velocity);
-        }
-        if self.fabric.bend_weft > 0.0 {
-            let rows = self.rows();
-            for first in (0..rows.rows).step_by(LANES) {
-                self.gather(simd, velocity, inverse_mass, first);
-                let compliance = self.bend_weft_compliance(simd, first, scale);
-                let (block, w) = (self.row_block(), &self.rows_inverse_mass);
-                lines::bend(simd, block, &mut self.rows_vector, w, compliance);
-                self.scatter(simd, velocity, first);
-            }
-        }
-        if self.fabric.bend_warp > 0.0 {
-            for base in (0..self.grid.stride as usize).step_by(LANES) {
-                let compliance = self.bend_warp_compliance(simd, base, scale);
-                lines::bend(simd, self.column_block(base), velocity, inverse_mass, compliance);
-            }
         }
     }
 
@@ -165,75 +147,82 @@ impl GridConstraints {
         Block { base, stride, count, spacing: self.grid.spacing.y }
     }
 
-    /// l³/(D width) over `scale`, for eight rows.
+    /// l³/(D width h²), for eight rows.
     #[inline(always)]
-    fn bend_weft_compliance<S: Simd>(&self, simd: S, first: usize, scale: f32) -> f32x8<S> {
+    fn bend_weft_compliance<S: Simd>(&self, simd: S, first: usize, h: f32) -> f32x8<S> {
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, a * a * a / (self.fabric.bend_weft * b * scale)) / load(simd, &self.row_width, first)
+        splat(simd, a * a * a / (self.fabric.bend_weft * b * h * h)) / load(simd, &self.row_width, first)
     }
 
-    /// l³/(D width) over `scale`, for eight columns.
+    /// l³/(D width h²), for eight columns.
     #[inline(always)]
-    fn bend_warp_compliance<S: Simd>(&self, simd: S, base: usize, scale: f32) -> f32x8<S> {
+    fn bend_warp_compliance<S: Simd>(&self, simd: S, base: usize, h: f32) -> f32x8<S> {
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, b * b * b / (self.fabric.bend_warp * a * scale)) / load(simd, &self.column_width, base)
-    }
-
-    /// Eight rows of `vector` and the inverse masses into lanes.
-    #[inline(always)]
-    fn gather<S: Simd>(&mut self, simd: S, vector: &Soa3, inverse_mass: &[f32], first: usize) {
-        let (to, rows) = (&mut self.rows_vector, Rows { rows: self.grid.rows as usize, stride: self.grid.stride as usize });
-        lines::gather_rows(simd, &vector.x, &mut to.x, rows, first);
-        lines::gather_rows(simd, &vector.y, &mut to.y, rows, first);
-        lines::gather_rows(simd, &vector.z, &mut to.z, rows, first);
-        lines::gather_rows(simd, inverse_mass, &mut self.rows_inverse_mass, rows, first);
-    }
-
-    /// Eight rows back from lanes.
-    #[inline(always)]
-    fn scatter<S: Simd>(&self, simd: S, vector: &mut Soa3, first: usize) {
-        let (from, rows) = (&self.rows_vector, self.rows());
-        lines::scatter_rows(simd, &from.x, &mut vector.x, rows, first);
-        lines::scatter_rows(simd, &from.y, &mut vector.y, rows, first);
-        lines::scatter_rows(simd, &from.z, &mut vector.z, rows, first);
+        splat(simd, b * b * b / (self.fabric.bend_warp * a * h * h)) / load(simd, &self.column_width, base)
     }
 
     /// Bending and stretch along the weft.
     #[inline(always)]
-    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
+        let mut load_ratio = 0.0_f32;
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let (rows, block) = (self.rows(), self.row_block());
         let stretch = splat(simd, a / (self.fabric.stretch_weft * b * h * h));
         for first in (0..rows.rows).step_by(LANES) {
-            self.gather(simd, &particles.position, &particles.inverse_mass, first);
+            gather(simd, &particles.position, &mut self.rows_position, rows, first);
+            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
             let stretch = stretch / load(simd, &self.row_width, first);
-            let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h * h));
-            let (x, w) = (&mut self.rows_vector, &self.rows_inverse_mass);
+            let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
+            let (x, w) = (&mut self.rows_position, &self.rows_inverse_mass);
             if let Some(compliance) = bend {
                 lines::bend(simd, block, x, w, compliance);
             }
-            lines::stretch(simd, block, x, w, stretch, &mut self.elimination);
-            self.scatter(simd, &mut particles.position, first);
-            self.rows_load.fill(0.0);
-            lines::record_load(simd, block, &self.elimination, &mut self.rows_load, h);
-            lines::scatter_rows(simd, &self.rows_load, &mut self.load, rows, first);
+            let lambda = links(&mut self.weft_lambda, block, first);
+            lines::stretch(simd, block, x, w, stretch, lambda, &mut self.elimination);
+            load_ratio = load_ratio.max(lines::largest_load(simd, block, w, lambda));
+            scatter(simd, x, &mut particles.position, rows, first);
         }
+        load_ratio
     }
 
     /// Bending and stretch along the warp.
     #[inline(always)]
-    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
+        let mut load_ratio = 0.0_f32;
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let stretch = splat(simd, b / (self.fabric.stretch_warp * a * h * h));
         let Particles { position, inverse_mass, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
             if self.fabric.bend_warp > 0.0 {
-                lines::bend(simd, block, position, inverse_mass, self.bend_warp_compliance(simd, base, h * h));
+                lines::bend(simd, block, position, inverse_mass, self.bend_warp_compliance(simd, base, h));
             }
             let stretch = stretch / load(simd, &self.column_width, base);
-            lines::stretch(simd, block, position, inverse_mass, stretch, &mut self.elimination);
-            lines::record_load(simd, block, &self.elimination, &mut self.load, h);
+            let lambda = links(&mut self.warp_lambda, block, base);
+            lines::stretch(simd, block, position, inverse_mass, stretch, lambda, &mut self.elimination);
+            load_ratio = load_ratio.max(lines::largest_load(simd, block, inverse_mass, lambda));
         }
+        load_ratio
     }
+}
+
+/// Eight rows of vectors into lanes.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usize) {
+    lines::gather_rows(simd, &from.x, &mut to.x, rows, first);
+    lines::gather_rows(simd, &from.y, &mut to.y, rows, first);
+    lines::gather_rows(simd, &from.z, &mut to.z, rows, first);
+}
+
+/// Eight rows of vectors back from lanes.
+#[inline(always)]
+fn scatter<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usize) {
+    lines::scatter_rows(simd, &from.x, &mut to.x, rows, first);
+    lines::scatter_rows(simd, &from.y, &mut to.y, rows, first);
+    lines::scatter_rows(simd, &from.z, &mut to.z, rows, first);
+}
+
+/// The multipliers of the block that starts with row or column `first`.
+fn links(lambda: &mut [f32], block: Block, first: usize) -> &mut [f32] {
+    &mut lambda[first * block.count..(first + LANES) * block.count]
 }

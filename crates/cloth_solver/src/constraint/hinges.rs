@@ -3,8 +3,6 @@
 //! Energy `½ (D b/s) (θ − θ₀)²` with b the hinge's length and s = (A₁ + A₂)/b the spacing of the two triangles (Grinspun
 //! et al. 2003); gradients after Bridson, Marino, Fedkiw 2003.
 
-use std::collections::HashMap;
-
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
@@ -27,7 +25,7 @@ const IDLE_COMPLIANCE: f32 = 1e30;
 impl Hinges {
     pub fn new(topology: &Topology, fabric: &Fabric, padding: u32) -> Self {
         let batches = Batches::new(&topology.hinges, topology.slots(), padding);
-        let stiffness = stiffness(topology, fabric);
+        let stiffness = topology.hinge_stiffness(fabric);
         let compliance = batches.lanes(IDLE_COMPLIANCE, |i| 1.0 / stiffness[i].max(1.0 / IDLE_COMPLIANCE));
         let rest_angle = batches.lanes(0.0, |i| topology.hinge_rest[i]);
         Self { batches, rest_angle, compliance }
@@ -52,24 +50,6 @@ impl Hinges {
             let lambda = -turn / (weight(&w, &gradient) + compliance);
             for i in 0..4 {
                 scatter3(x[i] + gradient[i] * (lambda * w[i]), position, &group[i]);
-            }
-        }
-    }
-
-    /// Damps the rate of every hinge once by a dashpot of `scale` (time constant times Δt, s²) times its stiffness.
-    #[inline(always)]
-    pub fn damp<S: Simd>(&self, simd: S, particles: &mut Particles, scale: f32) {
-        let Particles { position, velocity, inverse_mass, .. } = particles;
-        let per_step = splat(simd, 1.0 / scale);
-        for (g, group) in self.batches.groups.iter().enumerate() {
-            let (_, gradient) = angle_and_gradient(simd, group.map(|slots| gather3(simd, position, &slots)));
-            let v = group.map(|slots| gather3(simd, velocity, &slots));
-            let w = group.map(|slots| gather(simd, inverse_mass, &slots));
-            let rate = (0..4).fold(splat(simd, 0.0), |rate, i| rate + gradient[i].dot(v[i]));
-            let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
-            let lambda = -rate / (weight(&w, &gradient) + compliance);
-            for i in 0..4 {
-                scatter3(v[i] + gradient[i] * (lambda * w[i]), velocity, &group[i]);
             }
         }
     }
@@ -101,28 +81,6 @@ fn angle_and_gradient<S: Simd>(simd: S, [a, b, c, d]: [Vec3x8<S>; 4]) -> (f32x8<
         q2 * -length,
     ];
     (angle, gradient)
-}
-
-/// `D b/s` of every hinge, J/rad²: b its length, s = (A₁ + A₂)/b the spacing of its triangles, D between the fabric's
-/// two by the direction of curvature, which is across the hinge.
-pub(crate) fn stiffness(topology: &Topology, fabric: &Fabric) -> Vec<f32> {
-    let mut along = HashMap::with_capacity(3 * topology.triangles.len());
-    for (&[p0, p1, p2], rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
-        let (e1, e2) = (rest.x_axis, rest.y_axis);
-        for (a, b, edge) in [(p0, p1, e1), (p1, p2, e2 - e1), (p2, p0, -e2)] {
-            along.insert((a, b), edge.normalize_or_zero());
-        }
-    }
-    let of_hinge = |&[a, b, c, d]: &[u32; 4]| {
-        let at = |i: u32| topology.rest[i as usize];
-        let edge = at(b) - at(a);
-        let areas = 0.5 * (edge.cross(at(c) - at(a)).length() + edge.cross(at(d) - at(a)).length());
-        let direction = along.get(&(a, b)).or_else(|| along.get(&(b, a))).copied().unwrap_or_default();
-        // Curvature across a hinge that runs along the warp is curvature along the weft.
-        let bending = fabric.bend_weft * direction.y * direction.y + fabric.bend_warp * direction.x * direction.x;
-        bending * edge.length_squared() / areas
-    };
-    topology.hinges.iter().map(of_hinge).collect()
 }
 
 /// An angle difference brought back to −π..π: the short way round.

@@ -19,6 +19,9 @@ use fearless_simd::{Simd, f32x8};
 use crate::Soa3;
 use crate::lanes::{LANES, Vec3x8, load, splat, store, transpose};
 
+/// T h²/(m l) up to which the waves across a line are left explicit: those of warp and weft add up, and the limit is ⅓.
+pub(crate) const EXPLICIT_LOAD: f32 = 0.15;
+
 /// Eight runs of `count` particles each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
@@ -32,20 +35,18 @@ pub(crate) struct Block {
     pub spacing: f32,
 }
 
-/// What the exact solve of a block keeps between its two passes: eight lanes per link.
+/// What the exact solve of a block keeps between its two passes: eight lanes per particle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elimination {
-    normal: Soa3,
+    vector: Soa3,
     upper: Vec<f32>,
-    /// Right-hand side after elimination, then the multipliers.
-    lambda: Vec<f32>,
 }
 
 impl Elimination {
     /// For runs of up to `longest` particles.
     pub fn new(longest: usize) -> Self {
         let len = longest * LANES;
-        Self { normal: Soa3::zeros(len), upper: vec![0.0; len], lambda: vec![0.0; len] }
+        Self { vector: Soa3::zeros(len), upper: vec![0.0; len] }
     }
 }
 
@@ -53,7 +54,7 @@ impl Elimination {
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
 /// `A_kk = w_k + w_{k+1} + α̃`, `A_{k−1,k} = −w_k n_{k−1}·n_k`, `A λ = −C`.
 ///
-/// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `work`.
+/// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `lambda`, eight lanes per link.
 #[inline(always)]
 pub(crate) fn stretch<S: Simd>(
     simd: S,
@@ -61,6 +62,7 @@ pub(crate) fn stretch<S: Simd>(
     position: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    lambda: &mut [f32],
     work: &mut Elimination,
 ) {
     let Block { base, stride, count, spacing } = block;
@@ -86,9 +88,9 @@ pub(crate) fn stretch<S: Simd>(
         // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
         let inverse = one / (w + w_next + compliance - off * upper).max(tiny);
         let rhs = (rest - length - off * last_rhs) * inverse;
-        normal.store(&mut work.normal, k * LANES);
+        normal.store(&mut work.vector, k * LANES);
         store(upper, &mut work.upper, k * LANES);
-        store(rhs, &mut work.lambda, k * LANES);
+        store(rhs, lambda, k * LANES);
         (last, last_inverse, last_rhs) = (normal, inverse, rhs);
         (x, w) = (x_next, w_next);
     }
@@ -100,30 +102,94 @@ pub(crate) fn stretch<S: Simd>(
         let at = base + (k + 1) * stride;
         let w = load(simd, inverse_mass, at);
         let upper_above = if k + 2 < count { load(simd, &work.upper, (k + 1) * LANES) } else { zero };
-        let lambda = load(simd, &work.lambda, k * LANES) - upper_above * lambda_above;
-        store(lambda, &mut work.lambda, k * LANES);
-        let pull = Vec3x8::load(simd, &work.normal, k * LANES) * lambda;
+        let multiplier = load(simd, lambda, k * LANES) - upper_above * lambda_above;
+        store(multiplier, lambda, k * LANES);
+        let pull = Vec3x8::load(simd, &work.vector, k * LANES) * multiplier;
         let x = Vec3x8::load(simd, position, at) + (pull - pull_above) * w;
         x.store(position, at);
-        (lambda_above, pull_above) = (lambda, pull);
+        (lambda_above, pull_above) = (multiplier, pull);
     }
     let w = load(simd, inverse_mass, base);
     let x = Vec3x8::load(simd, position, base) - pull_above * w;
     x.store(position, base);
 }
 
-/// Adds to `load` of each particle of the runs the larger tension of its two links in the last [`stretch`], over the
-/// rest length: −λ/(h² l), N/m.
+/// The largest T h²/(m l) of the last [`stretch`], T the tension of a link, m the lighter of its ends.
 #[inline(always)]
-pub(crate) fn record_load<S: Simd>(simd: S, block: Block, work: &Elimination, load_: &mut [f32], h: f32) {
+pub(crate) fn largest_load<S: Simd>(simd: S, block: Block, inverse_mass: &[f32], lambda: &[f32]) -> f32 {
+    let mut largest = splat(simd, 0.0);
+    let mut w = load(simd, inverse_mass, block.base);
+    for k in 0..block.count - 1 {
+        let w_next = load(simd, inverse_mass, block.base + (k + 1) * block.stride);
+        largest = largest.max(-(load(simd, lambda, k * LANES) * w.max(w_next)));
+        w = w_next;
+    }
+    largest.reduce_max() / block.spacing
+}
+
+/// Adds `scale` T h²/l to `inertia` of each particle, kg, T the larger tension of its two links in the last [`stretch`].
+#[inline(always)]
+pub(crate) fn record_load<S: Simd>(simd: S, block: Block, lambda: &[f32], scale: f32, inertia: &mut [f32]) {
     let Block { base, stride, count, spacing } = block;
-    let scale = splat(simd, -1.0 / (h * h * spacing));
-    let mut before = splat(simd, 0.0);
+    let zero = splat(simd, 0.0);
+    let scale = splat(simd, -scale / spacing);
+    let mut before = zero;
     for k in 0..count {
-        let after = if k + 1 < count { load(simd, &work.lambda, k * LANES) * scale } else { splat(simd, 0.0) };
+        let after = if k + 1 < count { load(simd, lambda, k * LANES) * scale } else { zero };
         let at = base + k * stride;
-        store(load(simd, load_, at) + before.max(after), load_, at);
+        store(load(simd, inertia, at) + before.max(after).max(zero), inertia, at);
         before = after;
+    }
+}
+
+/// Makes the transverse waves of taut runs implicit: `(M + θ h² G) Δ' = M Δ`, Δ what each particle moved in this
+/// substep, G the string's stiffness from the tension T h² = −λ of the last [`stretch`] beyond [`EXPLICIT_LOAD`].
+///
+/// An exact line pulls along where its links point when the substep begins. To the waves that run across it that is an
+/// explicit step: with g = h² ω² it is stable for g < 4/3, and the highest wave has g = 4 T h²/(m l). Filtered so, it is
+/// stable for every g if θ ≥ 3/2. What does not move, and what all moves alike, is left as it is.
+#[inline(always)]
+pub(crate) fn soften<S: Simd>(
+    simd: S,
+    block: Block,
+    position: &mut Soa3,
+    previous: &Soa3,
+    inverse_mass: &[f32],
+    lambda: &[f32],
+    work: &mut Elimination,
+) {
+    const THETA: f32 = 1.5;
+    let Block { base, stride, count, spacing } = block;
+    let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
+    let theta = splat(simd, THETA);
+    let mut before = zero;
+    let (mut upper, mut last) = (zero, Vec3x8 { x: zero, y: zero, z: zero });
+    for k in 0..count {
+        let at = base + k * stride;
+        let w = load(simd, inverse_mass, at);
+        let after = if k + 1 < count {
+            let lighter = w.max(load(simd, inverse_mass, at + stride)).max(tiny);
+            let tension = load(simd, lambda, k * LANES) * splat(simd, -1.0 / spacing);
+            (tension - splat(simd, EXPLICIT_LOAD) / lighter).max(zero) * theta
+        } else {
+            zero
+        };
+        let moved = Vec3x8::load(simd, position, at) - Vec3x8::load(simd, previous, at);
+        // Row k: −w before · Δ'_{k−1} + (1 + w (before + after)) Δ'_k − w after · Δ'_{k+1} = Δ_k.
+        let lower = w * before;
+        let inverse = one / (one + w * (before + after) - lower * upper);
+        last = (moved + last * lower) * inverse;
+        upper = w * after * inverse;
+        last.store(&mut work.vector, k * LANES);
+        store(upper, &mut work.upper, k * LANES);
+        before = after;
+    }
+    for k in (0..count).rev() {
+        let at = base + k * stride;
+        if k + 1 < count {
+            last = Vec3x8::load(simd, &work.vector, k * LANES) + last * load(simd, &work.upper, k * LANES);
+        }
+        (Vec3x8::load(simd, previous, at) + last).store(position, at);
     }
 }
 

@@ -11,8 +11,6 @@ use crate::{Fabric, Particles, Topology};
 pub(super) struct MeshConstraints {
     triangles: Triangles,
     hinges: Option<Hinges>,
-    /// Time constant of the fabric's dashpots, s.
-    pub damping: f32,
 }
 
 impl MeshConstraints {
@@ -22,7 +20,6 @@ impl MeshConstraints {
         Self {
             triangles: Triangles::new(topology, fabric, padding),
             hinges: (bends && !topology.hinges.is_empty()).then(|| Hinges::new(topology, fabric, padding)),
-            damping: fabric.damping,
         }
     }
 
@@ -37,14 +34,5 @@ impl MeshConstraints {
             hinges.solve(simd, particles, h);
         }
         self.triangles.solve(simd, particles, h);
-    }
-
-    /// Takes from the rates of shear and bending what the fabric's dashpots take in `dt`.
-    #[inline(always)]
-    pub fn damp<S: Simd>(&self, simd: S, particles: &mut Particles, dt: f32) {
-        if let Some(hinges) = &self.hinges {
-            hinges.damp(simd, particles, self.damping * dt);
-        }
-        self.triangles.damp(simd, particles, self.damping * dt);
     }
 }

@@ -2,6 +2,7 @@
 
 mod batch;
 mod cells;
+mod damping;
 mod grab;
 mod grid;
 mod hinges;
@@ -32,6 +33,8 @@ pub struct Constraints {
     pins: Pins,
     tethers: Option<Tethers>,
     surface: Surface,
+    /// Rate of internal friction, 1/s.
+    damping: f32,
 }
 
 /// What keeps the fabric together.
@@ -51,7 +54,7 @@ impl Constraints {
             Some(grid) => Surface::Grid(Box::new(GridConstraints::new(grid, topology, fabric))),
             None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric))),
         };
-        Ok(Self { surface, ..Self::default() })
+        Ok(Self { surface, damping: fabric.damping, ..Self::default() })
     }
 
     /// Replaces all pins: pinned particles get inverse mass 0, released ones their own again.
@@ -112,21 +115,11 @@ impl Constraints {
             }
     }
 
-    /// Gives particles whose lines are too tight for the substep the inertia that keeps the exact solve stable, and
-    /// takes it back from those that no longer need it (selective mass scaling). Their weight stays: rest is exact.
-    pub(crate) fn scale_masses(&mut self, particles: &mut Particles, h: f32) {
-        let Surface::Grid(grid) = &mut self.surface else { return };
-        if dispatch!(*LEVEL, simd => grid.scale_masses(simd, particles, h)) {
-            for pin in &self.pins.pins {
-                particles.inverse_mass[pin.particle as usize] = 0.0;
-            }
+    /// Gives pinned particles inverse mass 0.
+    pub(crate) fn hold_pins(&self, particles: &mut Particles) {
+        for pin in &self.pins.pins {
+            particles.inverse_mass[pin.particle as usize] = 0.0;
         }
-    }
-
-    /// How many particles carry added inertia now; see the description of [`crate::method::xpbd`].
-    pub fn scaled_particles(&self, particles: &Particles) -> usize {
-        let scaled = |(w, mass): (&f32, &f32)| *w > 0.0 && w * mass < 1.0 - 1e-6;
-        particles.inverse_mass.iter().zip(&particles.mass).filter(|pair| scaled(*pair)).count()
     }
 
     /// Moves pinned particles to where their frames are at the end of `sub`.
@@ -142,6 +135,7 @@ impl Constraints {
         for grab in &self.grabs {
             grab.apply(particles, sub);
         }
+        particles.load.fill(0.0);
         match &mut self.surface {
             Surface::Empty => {}
             Surface::Grid(grid) => dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub.h)),
@@ -153,12 +147,10 @@ impl Constraints {
         set_inverse_masses(&self.grabs, &free, particles);
     }
 
-    /// Internal damping of the fabric over `dt`, s: once a tick, on the velocities.
-    pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
-        match &mut self.surface {
-            Surface::Grid(grid) if grid.fabric.damping > 0.0 => dispatch!(*LEVEL, simd => grid.damp(simd, particles, dt)),
-            Surface::Mesh(mesh) if mesh.damping > 0.0 => dispatch!(*LEVEL, simd => mesh.damp(simd, particles, dt)),
-            _ => {}
+    /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
+    pub(crate) fn damp(&self, particles: &mut Particles, dt: f32) {
+        if self.damping > 0.0 {
+            damping::damp(particles, self.damping, dt);
         }
     }
 }

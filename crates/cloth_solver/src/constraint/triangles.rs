@@ -70,31 +70,6 @@ impl Triangles {
     }
 }
 
-impl Triangles {
-    /// Damps the rate of shear of every triangle once by a dashpot of `scale` (time constant times Δt, s²) times its
-    /// stiffness.
-    #[inline(always)]
-    pub fn damp<S: Simd>(&self, simd: S, particles: &mut Particles, scale: f32) {
-        if self.shear <= 0.0 {
-            return;
-        }
-        let Particles { position, velocity, inverse_mass, .. } = particles;
-        let per_area = splat(simd, 1.0 / (self.shear * scale));
-        for (g, group) in self.batches.groups.iter().enumerate() {
-            let w = group.map(|slots| gather(simd, inverse_mass, &slots));
-            let m = self.inverse_rest[g].map(|lanes| f32x8::simd_from(simd, lanes));
-            let (_, gradient) = shear_gradient(group.map(|slots| gather3(simd, position, &slots)), m);
-            let v = group.map(|slots| gather3(simd, velocity, &slots));
-            let rate = gradient[0].dot(v[0]) + gradient[1].dot(v[1]) + gradient[2].dot(v[2]);
-            let compliance = per_area * f32x8::simd_from(simd, self.inverse_area[g]);
-            let lambda = -rate / (weight(&w, &gradient) + compliance);
-            for i in 0..3 {
-                scatter3(v[i] + gradient[i] * (lambda * w[i]), velocity, &group[i]);
-            }
-        }
-    }
-}
-
 /// `|e1·m0 + e2·m1| = 1`.
 #[inline(always)]
 fn length<S: Simd>(simd: S, x: &mut [Vec3x8<S>; 3], w: &[f32x8<S>; 3], m: [f32x8<S>; 2], compliance: f32x8<S>) {

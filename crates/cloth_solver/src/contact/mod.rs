@@ -47,6 +47,11 @@ pub struct Contacts {
 /// put over. What enters during a substep is put back at once.
 pub const DEPENETRATION_SPEED: f32 = 3.0;
 
+/// How far, in offsets, a particle may sink in a substep before contact puts it back: a particle pressed harder gets the
+/// inertia that it takes (see [`crate::method::xpbd`]). Constraints do not know of contact, so without it a particle
+/// that bears the weight of its neighbours is drawn in by N h²/m in each substep and its edges stretch by that much.
+const RESOLVED_SINK: f32 = 0.1;
+
 impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
     /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).

@@ -4,8 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::{Mat3, Vec3};
 
-use super::{Collider, DEPENETRATION_SPEED, Shape};
-use crate::lanes::{LANES, Vec3x8, load, splat};
+use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
+use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
@@ -56,7 +56,7 @@ pub(super) fn respond<S: Simd>(
     offset: f32,
     h: f32,
 ) -> Found {
-    let Particles { position, previous, velocity, inverse_mass, .. } = particles;
+    let Particles { position, previous, velocity, inverse_mass, load: inertia, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
     let reach = collider.shape.bounding_radius() + offset;
     let (reach_squared, margin, zero) = (splat(simd, reach * reach), splat(simd, offset), splat(simd, 0.0));
@@ -73,7 +73,7 @@ pub(super) fn respond<S: Simd>(
             continue;
         }
         let local = to.inverse_point(simd, x);
-        let (distance, local_normal) = distance_and_normal(simd, &collider.shape, local, near);
+        let (distance, local_normal) = distance_and_normal(simd, &collider.shape, local, margin, near);
         let hit = near & distance.simd_lt(margin);
         if !hit.any_true() {
             continue;
@@ -81,7 +81,7 @@ pub(super) fn respond<S: Simd>(
         let normal = to.direction(simd, local_normal);
         let depth = margin - distance;
         let before = from.inverse_point(simd, Vec3x8::load(simd, previous, i));
-        let (distance_before, _) = distance_and_normal(simd, &collider.shape, before, hit);
+        let (distance_before, _) = distance_and_normal(simd, &collider.shape, before, margin, hit);
         let depth_before = (margin - distance_before).max(zero);
 
         // What the particle moved against the collider in this substep.
@@ -95,6 +95,9 @@ pub(super) fn respond<S: Simd>(
 
         let placed = x + normal * push - sliding * stopped;
         let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero) + carried;
+        let w = load(simd, inverse_mass, i);
+        let pressed = approach / (splat(simd, RESOLVED_SINK * offset) * w);
+        store(load(simd, inertia, i).max(hit.select(pressed, zero)), inertia, i);
         select(hit, placed, x).store(position, i);
         select(hit, left * per_step, Vec3x8::load(simd, velocity, i)).store(velocity, i);
         found.touching += hit.to_bitmask().count_ones();
@@ -108,12 +111,14 @@ fn select<S: Simd>(mask: mask32x8<S>, yes: Vec3x8<S>, no: Vec3x8<S>) -> Vec3x8<S
     Vec3x8 { x: mask.select(yes.x, no.x), y: mask.select(yes.y, no.y), z: mask.select(yes.z, no.z) }
 }
 
-/// Signed distance and outward normal in the shape's frame, where `wanted`; see [`Shape::distance_and_normal`].
+/// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see
+/// [`Shape::distance_and_normal`]. Elsewhere a distance that is no smaller than `margin`, or anything where not wanted.
 #[inline(always)]
 fn distance_and_normal<S: Simd>(
     simd: S,
     shape: &Shape,
     p: Vec3x8<S>,
+    margin: f32x8<S>,
     wanted: mask32x8<S>,
 ) -> (f32x8<S>, Vec3x8<S>) {
     let zero = splat(simd, 0.0);
@@ -125,20 +130,58 @@ fn distance_and_normal<S: Simd>(
             ball(simd, Vec3x8 { x: p.x, y: p.y - on_axis, z: p.z }, *radius)
         }
         Shape::HalfSpace => (p.y, Vec3x8 { x: zero, y: splat(simd, 1.0), z: zero }),
-        Shape::Convex(_) => {
-            let (mut distance, mut normal) = ([f32::INFINITY; LANES], [[0.0; LANES]; 3]);
-            let mut lanes = wanted.to_bitmask();
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize;
-                lanes &= lanes - 1;
-                let (d, n) = shape.distance_and_normal(Vec3::new(p.x[lane], p.y[lane], p.z[lane]));
-                distance[lane] = d;
-                (normal[0][lane], normal[1][lane], normal[2][lane]) = (n.x, n.y, n.z);
+        Shape::Convex(hull) => {
+            let (distance, normal) = nearest_plane(simd, &hull.planes, p);
+            // A lower bound of the distance, and exact inside. Outside it is exact where the foot of the perpendicular
+            // lies on the face; over an edge or a corner the shape knows better.
+            let outside = wanted & distance.simd_gt(zero) & distance.simd_lt(margin);
+            if !outside.any_true() {
+                return (distance, normal);
             }
-            let [x, y, z] = normal.map(|n| f32x8::simd_from(simd, n));
-            (f32x8::simd_from(simd, distance), Vec3x8 { x, y, z })
+            let (beyond, _) = nearest_plane(simd, &hull.planes, p - normal * distance);
+            let over_edge = outside & beyond.simd_gt(splat(simd, hull.radius * f32::EPSILON * 4.0));
+            exact_where(simd, shape, p, over_edge, distance, normal)
         }
     }
+}
+
+/// The plane of a hull that `p` is farthest out of.
+#[inline(always)]
+fn nearest_plane<S: Simd>(simd: S, planes: &[(Vec3, f32)], p: Vec3x8<S>) -> (f32x8<S>, Vec3x8<S>) {
+    let mut distance = splat(simd, f32::NEG_INFINITY);
+    let mut normal = Vec3x8::splat(simd, Vec3::Y);
+    for &(n, d) in planes {
+        let n = Vec3x8::splat(simd, n);
+        let out = p.dot(n) - splat(simd, d);
+        let farther = out.simd_gt(distance);
+        distance = farther.select(out, distance);
+        normal = select(farther, n, normal);
+    }
+    (distance, normal)
+}
+
+/// Replaces distance and normal in some lanes by what the shape says.
+#[inline(always)]
+fn exact_where<S: Simd>(
+    simd: S,
+    shape: &Shape,
+    p: Vec3x8<S>,
+    lanes: mask32x8<S>,
+    distance: f32x8<S>,
+    normal: Vec3x8<S>,
+) -> (f32x8<S>, Vec3x8<S>) {
+    let (mut distance, mut n): ([f32; LANES], [[f32; LANES]; 3]) =
+        (distance.into(), [normal.x.into(), normal.y.into(), normal.z.into()]);
+    let mut left = lanes.to_bitmask();
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
+        let (d, normal) = shape.distance_and_normal(Vec3::new(p.x[lane], p.y[lane], p.z[lane]));
+        distance[lane] = d;
+        (n[0][lane], n[1][lane], n[2][lane]) = (normal.x, normal.y, normal.z);
+    }
+    let [x, y, z] = n.map(|n| f32x8::simd_from(simd, n));
+    (f32x8::simd_from(simd, distance), Vec3x8 { x, y, z })
 }
 
 /// A ball around the origin; at its very centre the normal is +y.

@@ -10,12 +10,17 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 ///
 /// These are the energies whose forces the constraints apply, in the limit of a converged solve. Keep the two in step.
 ///
-/// | | rectangle | any other mesh |
-/// |---|---|---|
-/// | stretch | `½ Y (w/l) Δl²` per warp and weft edge; `w` the width of fabric it stands for | `½ A (Y_u ε_u² + Y_v ε_v²)` per triangle |
-/// | shear | `½ G A (u·v)²` per cell; `u`, `v` its mean weft and warp edge over their rest lengths | `½ A G (F_u·F_v)²` per triangle |
-/// | bending | `½ D (w/l) (t₂ − t₁)²` per inner particle of a row or column; `t` its edges over their rest length | `½ (D b/s) (θ − θ₀)²` per hinge, see [`Topology::hinge_stiffness`] |
-/// | twist | `D (x₀₀ + x₁₁ − x₁₀ − x₀₁)² / (l_x l_y)` per cell, `D` the mean of warp and weft | part of the hinges |
+/// A rectangle, per edge, cell or line of particles:
+/// - stretch: `½ Y (w/l) Δl²` per warp and weft edge; `w` the width of fabric it stands for, at the border half of that
+///   inside;
+/// - shear: `½ G A (u·v)²` per cell; `u`, `v` its mean weft and warp edge over their rest lengths;
+/// - bending: `½ D (w/l) |t₂ − t₁|²` per inner particle of each row and column; `t` its edges over their rest length;
+/// - twist: `D |x₀₀ + x₁₁ − x₁₀ − x₀₁|² / (l_x l_y)` per cell; `D` the mean of warp and weft.
+///
+/// Any other mesh, per triangle or hinge:
+/// - stretch and shear: `½ A (Y_u ε_u² + Y_v ε_v² + G (f_u·f_v)²)`; `f_u`, `f_v` what unit weft and warp threads have
+///   become, `ε` their elongations;
+/// - bending and twist: `½ (D b/s) (θ − θ₀)²`, see [`Topology::hinge_stiffness`].
 pub fn elastic_energy(topology: &Topology, particles: &Particles, fabric: &Fabric) -> f64 {
     let positions = &particles.position;
     match topology.grid {

@@ -82,7 +82,8 @@ impl Topology {
             stride: (cells.x + 1).next_multiple_of(LANES as u32),
             spacing: size / cells.as_vec2(),
         };
-        let triangles: Vec<[u32; 3]> = grid.cells().flat_map(|(row, column)| cell_triangles(&grid, row, column)).collect();
+        let triangles: Vec<[u32; 3]> =
+            grid.cells().flat_map(|(row, column)| cell_triangles(&grid, row, column)).collect();
         let (rest, area) = particles(&grid, size);
         let triangle_rest = triangles
             .iter()
@@ -172,7 +173,8 @@ mod tests {
                 let inside = slot < 4 * stride && slot % stride < grid.columns;
                 assert_eq!(topology.is_particle(slot), inside);
                 let row = (slot / stride).min(3);
-                let twin = if slot < 4 * stride { grid.slot(row, (slot % stride).min(cells)) } else { grid.slot(3, cells) };
+                let twin =
+                    if slot < 4 * stride { grid.slot(row, (slot % stride).min(cells)) } else { grid.slot(3, cells) };
                 assert_eq!(topology.rest[slot as usize], topology.rest[twin as usize]);
             }
         }
@@ -202,8 +204,7 @@ mod tests {
     #[test]
     fn every_triangle_faces_forward_and_neighbouring_diagonals_alternate() {
         let topology = rectangle(3, 2);
-        let diagonals: Vec<bool> =
-            topology.triangles.chunks(2).map(|pair| pair[0][2] > pair[0][1]).collect();
+        let diagonals: Vec<bool> = topology.triangles.chunks(2).map(|pair| pair[0][2] > pair[0][1]).collect();
         assert_eq!(diagonals, [true, false, true, false, true, false]);
         for (triangle, rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
             let [a, b, c] = triangle.map(|p| topology.rest[p as usize]);
@@ -227,12 +228,16 @@ mod tests {
     fn texture_coordinates_run_from_the_upper_left_to_the_lower_right() {
         let uvs = rectangle(4, 3).rectangle_uvs();
         assert_eq!(uvs.len(), 20);
-        assert_eq!([uvs[0], uvs[4], uvs[7], uvs[19]], [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0 / 3.0], [1.0, 1.0]].map(Vec2::from));
+        assert_eq!(
+            [uvs[0], uvs[4], uvs[7], uvs[19]],
+            [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0 / 3.0], [1.0, 1.0]].map(Vec2::from)
+        );
     }
 
     #[test]
     fn a_spacing_is_rounded_to_whole_cells_and_never_to_none() {
-        let of = |spacing| Topology::rectangle(Vec2::new(1.0, 0.5), Resolution::Spacing(spacing)).unwrap().grid.unwrap();
+        let of =
+            |spacing| Topology::rectangle(Vec2::new(1.0, 0.5), Resolution::Spacing(spacing)).unwrap().grid.unwrap();
         assert_eq!([of(0.1).columns, of(0.1).rows], [11, 6]);
         assert_eq!([of(0.3).columns, of(0.3).rows], [4, 3]);
         assert_eq!([of(50.0).columns, of(50.0).rows], [2, 2]);

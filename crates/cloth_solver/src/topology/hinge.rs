@@ -96,8 +96,7 @@ impl Topology {
                 // A hinge along the weft (x) bends the warp.
                 fabric.bend_warp * cosines.x + fabric.bend_weft * cosines.y
             };
-            let area: f32 =
-                sharing.iter().map(|t| 0.5 * self.triangle_rest[*t as usize].determinant()).sum();
+            let area: f32 = sharing.iter().map(|t| 0.5 * self.triangle_rest[*t as usize].determinant()).sum();
             0.5 * (bend(c) + bend(d)) * c.length_squared() / area
         };
         hinges(&self.triangles, &sides).map(stiffness).collect()

@@ -50,7 +50,7 @@ impl Topology {
         let mut triangles: Vec<[u32; 3]> =
             corners.iter().map(|corners| corners.map(|v| vertex_particle[v as usize])).collect();
         let sides = hinge::sides(&triangles);
-        for shared in hinge::by_edge(&sides).filter(|shared| shared.len() > 2) {
+        if let Some(shared) = hinge::by_edge(&sides).find(|shared| shared.len() > 2) {
             let [a, b] = shared[0].edge.map(|particle| vertices[particle as usize]);
             return Err(ClothError::NonManifoldEdge { a, b, triangles: shared.len() });
         }
@@ -210,6 +210,14 @@ mod tests {
     }
 
     #[test]
+    fn a_single_triangle_is_a_cloth_and_two_back_to_back_have_no_hinge() {
+        let one = mesh(&SQUARE[..3], &[], &TWO[..3]).unwrap();
+        assert_eq!((one.particle_count(), one.edges.len(), one.hinges.len()), (3, 3, 0));
+        let doubled = mesh(&SQUARE[..3], &[], &[0, 1, 2, 2, 1, 0]).unwrap();
+        assert_eq!((doubled.particle_count(), doubled.edges.len(), doubled.hinges.len()), (3, 3, 0));
+    }
+
+    #[test]
     fn particles_are_numbered_as_triangles_use_them() {
         let square = mesh(&SQUARE, &[], &[3, 1, 2, 3, 0, 1]).unwrap();
         assert_eq!(square.vertex_particle, [3, 1, 2, 0]);
@@ -288,7 +296,16 @@ mod tests {
     #[test]
     fn an_edge_of_three_triangles_is_named_by_the_vertices_of_the_mesh() {
         // Vertex 0 is unlike particle 0, and 4 and 5 double 1 and 2.
-        let positions = [[9.0, 9.0, 9.0], SQUARE[0], SQUARE[1], [0.5, 1.0, 0.0], SQUARE[0], SQUARE[1], [0.5, 0.0, 1.0], [0.5, -1.0, 0.0]];
+        let positions = [
+            [9.0, 9.0, 9.0],
+            SQUARE[0],
+            SQUARE[1],
+            [0.5, 1.0, 0.0],
+            SQUARE[0],
+            SQUARE[1],
+            [0.5, 0.0, 1.0],
+            [0.5, -1.0, 0.0],
+        ];
         let found = mesh(&positions, &[], &[3, 1, 2, 4, 5, 6, 1, 2, 7, 0, 3, 6]);
         assert_eq!(found, Err(ClothError::NonManifoldEdge { a: 1, b: 2, triangles: 3 }));
     }

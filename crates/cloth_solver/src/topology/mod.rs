@@ -46,7 +46,8 @@ impl Grid {
 pub struct Topology {
     /// Rest position of each slot, cloth frame, m. Padding repeats a neighbouring particle.
     pub rest: Vec<Vec3>,
-    /// Area each particle stands for (a third of each of its triangles), m²; 0 for padding.
+    /// Area each particle stands for, m²; 0 for padding. A third of each of its triangles, in a rectangle a quarter of
+    /// each of its cells.
     pub area: Vec<f32>,
     /// Triangles, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -56,7 +57,8 @@ pub struct Topology {
     /// Every edge of the triangles once, `a < b`.
     pub edges: Vec<[u32; 2]>,
     /// Pairs of triangles over an inner edge: `[a, b, c, d]`, edge `a b`, `c` and `d` opposite to it. The triangle of
-    /// `c` runs `a → b`, the one of `d` runs `b → a`.
+    /// `c` runs `a → b`, the one of `d` runs `b → a`, except across the seam of a one-sided surface, where both run
+    /// `a → b`. In the order of [`Topology::edges`]. Two triangles on the same three particles have no hinge.
     pub hinges: Vec<[u32; 4]>,
     /// Rest angle of each hinge, rad: 0 flat, positive where the front faces turn away from each other.
     pub hinge_rest: Vec<f32>,

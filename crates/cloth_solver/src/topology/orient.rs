@@ -88,9 +88,9 @@ mod tests {
             let mut triangles = STRIP.to_vec();
             triangles[wrong].swap(1, 2);
             assert_eq!(disagreements(&oriented(triangles.clone())), 0);
-            let facing_forward = |t: &[u32; 3]| STRIP.iter().any(|s| (0..3).all(|i| (0..3).any(|k| {
-                s[k] == t[i] && s[(k + 1) % 3] == t[(i + 1) % 3]
-            })));
+            let facing_forward = |t: &[u32; 3]| {
+                STRIP.iter().any(|s| (0..3).all(|i| (0..3).any(|k| s[k] == t[i] && s[(k + 1) % 3] == t[(i + 1) % 3])))
+            };
             assert!(oriented(triangles).iter().all(facing_forward), "triangle {wrong}");
         }
     }

@@ -48,13 +48,8 @@ impl ConvexHull {
     /// A pyramid of half its base (x, z) and half its height, m; the apex is corner 4.
     pub(super) fn pyramid(half: Vec2, half_height: f32) -> Self {
         let corner = |x: f32, z: f32| Vec3::new(x * half.x, -half_height, z * half.y);
-        let corners = vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-            Vec3::Y * half_height,
-        ];
+        let corners =
+            vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), Vec3::Y * half_height];
         let side = |outward: Vec3, half: f32| {
             let normal = (outward * (2.0 * half_height) + Vec3::Y * half).normalize();
             (normal, normal.y * half_height)

@@ -1,0 +1,84 @@
+//! Gives a cloth a mesh of its own to draw, and takes it away again.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+
+use super::material;
+use super::write::Drawing;
+use crate::cloth::ClothTopology;
+use crate::prepare::{ClothSkin, DrawnMesh, Skin};
+
+/// Makes the mesh of every cloth that has none or was built anew, and puts it on the entity.
+pub(crate) fn attach(
+    cloths: Query<(Entity, Ref<ClothTopology>, &ClothSkin)>,
+    mut drawn: Query<(&mut DrawnMesh, &mut Drawing)>,
+    on_entity: Query<&Mesh3d>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut commands: Commands,
+) {
+    for (entity, topology, skin) in &cloths {
+        let shown = on_entity.get(entity).ok();
+        let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
+            let handle = meshes.add(two_sided(topology.vertex_particle.len(), &skin.0));
+            let mesh = DrawnMesh { source: shown.map(|mesh| mesh.0.clone()), drawn: handle.clone() };
+            commands.entity(entity).try_insert((
+                Mesh3d(handle),
+                mesh,
+                Drawing::new(&topology, &skin.0),
+                Aabb::default(),
+                NoAutoAabb,
+            ));
+            #[cfg(feature = "picking")]
+            commands.entity(entity).try_insert(crate::picking::hidden_from_mesh_picking());
+            commands.queue(move |world: &mut World| material::give_default(world, entity));
+            continue;
+        };
+        if topology.is_changed() {
+            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(topology.vertex_particle.len(), &skin.0)) {
+                error!("the mesh of cloth {entity} could not be replaced: {error}");
+            }
+            *drawing = Drawing::new(&topology, &skin.0);
+        }
+        if shown.is_none_or(|shown| shown.0 != mesh.drawn) {
+            // The user gave the entity another mesh: remember it, and go on drawing the cloth.
+            if let Some(shown) = shown {
+                mesh.source = Some(shown.0.clone());
+            }
+            commands.entity(entity).try_insert(Mesh3d(mesh.drawn.clone()));
+        }
+    }
+}
+
+/// A mesh with front and back of `skin` as separate vertices: first all of the front, then all of the back. Positions,
+/// normals and tangents are still to be written.
+fn two_sided(vertices: usize, skin: &Skin) -> Mesh {
+    let back = |vertex: u32| vertex + vertices as u32;
+    let front_and_back = skin.triangles.iter().copied();
+    let front_and_back = front_and_back.chain(skin.triangles.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
+    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; 2 * vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 2 * vertices])
+        .with_inserted_indices(Indices::U32(front_and_back.flatten().collect()));
+    if skin.uvs.len() == vertices {
+        let uvs: Vec<[f32; 2]> = skin.uvs.iter().chain(&skin.uvs).map(Vec2::to_array).collect();
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
+        mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; 2 * vertices]);
+    }
+    mesh
+}
+
+/// Takes off the entity what was put on to draw the cloth, and gives it back its own mesh.
+pub(crate) fn undraw(entity: &mut EntityWorldMut) {
+    let Some(mesh) = entity.take::<DrawnMesh>() else { return };
+    entity.remove::<(Drawing, NoAutoAabb, Aabb)>();
+    if entity.get::<Mesh3d>().is_some_and(|shown| shown.0 == mesh.drawn) {
+        match mesh.source {
+            Some(source) => entity.insert(Mesh3d(source)),
+            None => entity.remove::<Mesh3d>(),
+        };
+    }
+    material::take_back(entity);
+}

@@ -1,0 +1,194 @@
+//! Writes the shape of each cloth into the mesh it draws, if it is another one than is drawn already.
+
+use bevy::camera::primitives::Aabb;
+use bevy::math::Affine3A;
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+use cloth_solver::{Fabric, Particles, Pose, Soa3, Topology, measure};
+
+use super::ClothColoring;
+use super::material::StressColors;
+use super::surface::{self, TangentFrame};
+use crate::clock::{ClothClock, ClothTime};
+use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
+use crate::prepare::{ClothSkin, DrawnMesh, Placements, Skin};
+use crate::settings::Shared;
+
+/// What is drawn of one cloth, and the memory to work it out.
+#[derive(Component, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Drawing {
+    /// Position of each slot as drawn, cloth frame, m.
+    shown: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    tangents: Vec<Vec3>,
+    tangent_frame: TangentFrame,
+    strain: Vec<f32>,
+    /// From the cloth's frame to that of the entity as drawn, scale included.
+    relation: Affine3A,
+    coloring: Option<ClothColoring>,
+    written: bool,
+}
+
+impl Drawing {
+    /// Nothing drawn yet.
+    pub fn new(topology: &Topology, skin: &Skin) -> Self {
+        let (slots, vertices) = (topology.slots(), topology.vertex_particle.len());
+        let tangents = if skin.uvs.len() == vertices { vertices } else { 0 };
+        Self {
+            shown: vec![Vec3::ZERO; slots],
+            normals: vec![Vec3::Z; slots],
+            tangents: vec![Vec3::X; tangents],
+            tangent_frame: TangentFrame::new(&skin.triangles, &skin.uvs),
+            strain: Vec::new(),
+            relation: Affine3A::IDENTITY,
+            coloring: None,
+            written: false,
+        }
+    }
+
+    /// Takes over the shape between two ticks; whether it is another one than before.
+    fn show(&mut self, history: &Soa3, position: &Soa3, between: f32) -> bool {
+        let mut moved = false;
+        for (slot, shown) in self.shown.iter_mut().enumerate() {
+            let now = history.get(slot).lerp(position.get(slot), between);
+            moved |= *shown != now;
+            *shown = now;
+        }
+        moved
+    }
+}
+
+/// Writes positions, normals, tangents and bounds of what moved.
+pub(crate) fn write(
+    mut cloths: Query<(
+        Entity,
+        (&ClothTopology, &ClothSkin, &ClothFrame, &ClothHistory),
+        Ref<Particles>,
+        Option<&Fabric>,
+        Option<&ClothColoring>,
+        &DrawnMesh,
+        &mut Drawing,
+        Option<&mut Aabb>,
+    )>,
+    shared: Res<Shared<ClothColoring>>,
+    time: Res<Time<ClothClock>>,
+    placements: Placements,
+    mut meshes: ResMut<Assets<Mesh>>,
+    stress_colors: Local<StressColors>,
+) {
+    for (entity, (topology, skin, frame, history), particles, fabric, coloring, mesh, mut drawing, aabb) in &mut cloths {
+        let drawing = &mut *drawing;
+        let coloring = *coloring.unwrap_or(&shared);
+        let relation = relation(&frame.pose, placements.affine(entity));
+        let Some(relation) = relation.filter(|relation| relation.is_finite()) else { continue };
+        let moved = drawing.show(&history.position, &particles.position, time.interpolation());
+        let recolored =
+            drawing.coloring != Some(coloring) || (coloring == ClothColoring::Stress && particles.is_changed());
+        if drawing.written && !moved && !recolored && relation == drawing.relation {
+            continue;
+        }
+        let Some(mut mesh) = meshes.get_mut(&mesh.drawn) else { continue };
+        let fabric = fabric.copied().unwrap_or_default();
+        drawing.relation = relation;
+        drawing.written = true;
+        let bounds = drawing.write_shape(&mut mesh, topology, &skin.0, fabric.thickness / 2.0);
+        if let Some(mut aabb) = aabb {
+            *aabb = Aabb::from_min_max(bounds.0, bounds.1);
+        }
+        if recolored {
+            drawing.coloring = Some(coloring);
+            drawing.write_colors(&mut mesh, topology, &skin.0, &particles, &fabric, &stress_colors);
+        }
+    }
+}
+
+/// From the frame of the simulation to that of the entity as it is drawn. They differ by the scale, and by what the
+/// entity moved since the last tick. Differences first, so that far from the origin nothing is lost.
+fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
+    let affine = entity?.affine();
+    let to_entity = affine.matrix3.inverse();
+    let rotation = bevy::math::Mat3A::from_quat(pose.rotation);
+    let offset = to_entity * (bevy::math::Vec3A::from(pose.position) - affine.translation);
+    Some(Affine3A { matrix3: to_entity * rotation, translation: offset })
+}
+
+impl Drawing {
+    /// Writes positions, normals and tangents, and gives the bounds of the positions.
+    fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, skin: &Skin, half: f32) -> (Vec3, Vec3) {
+        surface::normals(&topology.triangles, &self.shown, &mut self.normals);
+        let particle = &topology.vertex_particle;
+        let back = particle.len();
+        let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        if let Some(VertexAttributeValues::Float32x3(positions)) = values(mesh, Mesh::ATTRIBUTE_POSITION) {
+            for (vertex, slot) in particle.iter().enumerate() {
+                let (at, normal) = (self.shown[*slot as usize], self.normals[*slot as usize] * half);
+                for (vertex, at) in [(vertex, at + normal), (vertex + back, at - normal)] {
+                    let at = self.relation.transform_point3(at);
+                    bounds = (bounds.0.min(at), bounds.1.max(at));
+                    positions[vertex] = at.to_array();
+                }
+            }
+        }
+        // Normals turn against what stretches: by the inverse transposed.
+        let turn = self.relation.matrix3.inverse().transpose();
+        if let Some(VertexAttributeValues::Float32x3(normals)) = values(mesh, Mesh::ATTRIBUTE_NORMAL) {
+            for (vertex, slot) in particle.iter().enumerate() {
+                let normal = (turn * self.normals[*slot as usize]).normalize_or(Vec3::Z);
+                normals[vertex] = normal.to_array();
+                normals[vertex + back] = (-normal).to_array();
+            }
+        }
+        if let Some(VertexAttributeValues::Float32x4(tangents)) = values(mesh, Mesh::ATTRIBUTE_TANGENT)
+            && self.tangents.len() == back
+        {
+            self.tangent_frame.tangents(&skin.triangles, particle, &self.shown, &self.normals, &mut self.tangents);
+            for (vertex, tangent) in self.tangents.iter().enumerate() {
+                let tangent = self.relation.transform_vector3(*tangent).normalize_or(Vec3::X);
+                let sign = self.tangent_frame.sign(vertex);
+                tangents[vertex] = tangent.extend(sign).to_array();
+                tangents[vertex + back] = tangent.extend(-sign).to_array();
+            }
+        }
+        bounds
+    }
+
+    /// Writes vertex colours, or takes them away where the material is to speak.
+    fn write_colors(
+        &mut self,
+        mesh: &mut Mesh,
+        topology: &Topology,
+        skin: &Skin,
+        particles: &Particles,
+        fabric: &Fabric,
+        stress_colors: &StressColors,
+    ) {
+        let vertices = topology.vertex_particle.len();
+        let stressed = self.coloring == Some(ClothColoring::Stress);
+        if !stressed && skin.colors.len() != vertices {
+            let _ = mesh.try_remove_attribute(Mesh::ATTRIBUTE_COLOR);
+            return;
+        }
+        if stressed {
+            measure::particle_strain(topology, particles, &mut self.strain);
+        }
+        let white = [[1.0; 4]].into_iter().cycle().take(2 * vertices);
+        if !matches!(values(mesh, Mesh::ATTRIBUTE_COLOR), Some(VertexAttributeValues::Float32x4(_))) {
+            let _ = mesh.try_insert_attribute(Mesh::ATTRIBUTE_COLOR, white.collect::<Vec<_>>());
+        }
+        if let Some(VertexAttributeValues::Float32x4(colors)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
+            for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
+                let color = if stressed {
+                    stress_colors.at(self.strain[*slot as usize] / fabric.stretch_limit)
+                } else {
+                    skin.colors[vertex]
+                };
+                (colors[vertex], colors[vertex + vertices]) = (color, color);
+            }
+        }
+    }
+}
+
+fn values(mesh: &mut Mesh, attribute: bevy::mesh::MeshVertexAttribute) -> Option<&mut VertexAttributeValues> {
+    mesh.try_attribute_mut_option(attribute).ok().flatten()
+}

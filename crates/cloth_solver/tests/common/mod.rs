@@ -1,0 +1,58 @@
+//! What the tests of the solver share.
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use std::sync::Arc;
+
+use cloth_solver::constraint::{Pin, Pins};
+use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::topology::Resolution;
+use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology};
+use glam::{Quat, UVec2, Vec2, Vec3};
+
+pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// The tick of the default budget.
+pub const TICK: Tick = Tick { dt: 1.0 / 60.0, substeps: 10 };
+
+/// Cotton without internal friction.
+pub const UNDAMPED: Fabric = Fabric { damping: 0.0, ..Fabric::COTTON_POPLIN };
+
+pub fn rectangle(width: f32, height: f32, columns: u32, rows: u32, fabric: &Fabric) -> Cloth {
+    let cells = Resolution::Cells(UVec2::new(columns, rows));
+    let topology = Topology::rectangle(Vec2::new(width, height), cells).unwrap();
+    Cloth::new(Arc::new(topology), fabric).unwrap()
+}
+
+/// Pins the particles of the top row in the given columns where they are.
+pub fn pin_top(cloth: &mut Cloth, columns: impl IntoIterator<Item = u32>) {
+    let pins = columns.into_iter().map(|particle| Pin {
+        particle,
+        frame: 0,
+        local: cloth.particles.position.get(particle as usize),
+    });
+    let pins = Pins { frames: vec![Motion::default()], pins: pins.collect() };
+    cloth.constraints.set_pins(&mut cloth.particles, pins).unwrap();
+}
+
+/// Moves and turns the whole cloth, at rest.
+pub fn place(cloth: &mut Cloth, rotation: Quat, position: Vec3) {
+    for slot in 0..cloth.topology.slots() {
+        let x = position + rotation * cloth.topology.rest[slot];
+        cloth.particles.position.set(slot, x);
+        cloth.particles.previous.set(slot, x);
+    }
+}
+
+pub fn run(cloth: &mut Cloth, seconds: f32) {
+    for _ in 0..(seconds / TICK.dt).round() as u32 {
+        cloth.step(TICK, GRAVITY);
+    }
+}
+
+pub fn collider(shape: Shape, position: Vec3, rotation: Quat, friction: f32) -> Collider {
+    Collider { shape, motion: Motion::at_rest(Pose::new(position, rotation)), friction }
+}
+
+pub fn positions(cloth: &Cloth) -> Vec<Vec3> {
+    cloth.topology.particles().map(|p| cloth.particles.position.get(p as usize)).collect()
+}

@@ -1,0 +1,72 @@
+//! Free motion: falling, momentum, and that nothing depends on more than the input.
+
+mod common;
+
+use cloth_solver::{Fabric, measure};
+use common::*;
+use glam::{DVec3, Quat, Vec3};
+
+#[test]
+fn cloth_falls_by_half_g_t_squared_whatever_its_stiffness() {
+    for fabric in [Fabric::COTTON_POPLIN, Fabric::COTTON_JERSEY, Fabric::PAPER] {
+        let mut cloth = rectangle(1.0, 1.0, 20, 20, &fabric);
+        run(&mut cloth, 1.0);
+        for (p, rest) in cloth.topology.particles().zip(positions(&cloth)) {
+            let fallen = cloth.topology.rest[p as usize].y - rest.y;
+            assert!((fallen / (0.5 * 9.81) - 1.0).abs() < 0.005, "fell {fallen} m");
+        }
+    }
+}
+
+#[test]
+fn free_cloth_keeps_its_momentum_and_gains_no_energy() {
+    let mut cloth = rectangle(1.0, 1.0, 20, 20, &UNDAMPED);
+    let spin = Vec3::new(0.4, 1.0, 2.0);
+    for p in 0..cloth.topology.slots() {
+        let r = cloth.topology.rest[p];
+        cloth.particles.velocity.set(p, Vec3::new(0.5, 0.0, 0.2) + spin.cross(r));
+    }
+    let start = (
+        measure::linear_momentum(&cloth.particles),
+        measure::angular_momentum(&cloth.particles, DVec3::ZERO),
+        measure::kinetic_energy(&cloth.particles),
+    );
+    for _ in 0..120 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let linear = measure::linear_momentum(&cloth.particles);
+    let angular = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    assert!((linear - start.0).length() < 1e-3 * start.0.length(), "{linear} from {}", start.0);
+    assert!((angular - start.1).length() < 2e-2 * start.1.length(), "{angular} from {}", start.1);
+    assert!(measure::kinetic_energy(&cloth.particles) <= start.2 * 1.001);
+}
+
+#[test]
+fn internal_friction_stills_a_flapping_cloth_and_not_a_falling_one() {
+    let flap = |damping| {
+        let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping, ..Fabric::COTTON_POPLIN });
+        for p in 0..cloth.topology.slots() {
+            let r = cloth.topology.rest[p];
+            cloth.particles.velocity.set(p, Vec3::new(0.0, 0.0, 3.0 * r.x * r.x));
+        }
+        run(&mut cloth, 1.0);
+        let drift = measure::linear_momentum(&cloth.particles).as_vec3() / 0.15;
+        let flapping = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).distance(drift));
+        (drift, flapping.sum::<f32>())
+    };
+    let ((free_drift, free), (damped_drift, damped)) = (flap(0.0), flap(5.0));
+    assert!(damped < 0.2 * free, "{damped} against {free}");
+    assert!((damped_drift - free_drift).length() < 0.01 * free_drift.length());
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let run_once = || {
+        let mut cloth = rectangle(1.0, 1.0, 30, 30, &Fabric::COTTON_POPLIN);
+        place(&mut cloth, Quat::from_rotation_x(-1.2), Vec3::Y);
+        pin_top(&mut cloth, [0, 30]);
+        run(&mut cloth, 2.0);
+        positions(&cloth)
+    };
+    assert_eq!(run_once(), run_once());
+}

@@ -74,7 +74,8 @@ fn take(
     canvas: Res<Canvas>,
     mut exit: MessageWriter<AppExit>,
 ) {
-    let has_come = time.elapsed() + time.delta() / 2 >= shot.at;
+    // Once time stands still it cannot come any nearer.
+    let has_come = time.is_paused() || time.elapsed() + time.delta() / 2 >= shot.at;
     for mut camera in &mut cameras {
         if camera.is_active != has_come {
             camera.is_active = has_come;

@@ -179,7 +179,8 @@ fn load_raises_the_substeps_up_to_the_maximum_and_rest_brings_them_back() {
     let cloth = app.world_mut().spawn(cloth).id();
     run(&mut app, 30);
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 12);
-    app.world_mut().entity_mut(cloth).insert(Gravity(Vec3::ZERO)).remove::<Pins>();
+    app.world_mut().entity_mut(cloth).insert(Gravity(Vec3::ZERO));
+    app.world_mut().trigger(ResetCloth { entity: cloth });
     run(&mut app, 64);
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 2);
 }

@@ -24,7 +24,7 @@ fn a_cloth_without_pins_falls_on_whatever_happens_to_its_transform() {
         app.update();
         still.update();
         let apart = largest_move(&world_positions(&still, reference), &world_positions(&app, cloth));
-        assert!(apart < 1e-4, "after {round} rounds {apart} m from where it would have fallen");
+        assert!(apart < 1e-3, "after {round} rounds {apart} m from where it would have fallen");
     }
 }
 

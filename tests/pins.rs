@@ -83,7 +83,8 @@ fn rods_and_top_work_on_a_mesh() {
     let sheet = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet);
     let cloth = app.world_mut().spawn((Cloth::mesh(), Mesh3d(sheet), Pins::rods(3))).id();
     run(&mut app, 2);
-    assert_eq!(xs(held(&app, cloth)), [-0.5, 0.0, 0.5]);
+    let held = xs(held(&app, cloth));
+    assert!(held.len() == 3 && held.iter().zip([-0.5, 0.0, 0.5]).all(|(x, rod)| (x - rod).abs() < 1e-6), "{held:?}");
 }
 
 /// A cloth whose top edge is held by `pins`, for a second of ticks in which the cloth's transform, or the entity

@@ -22,7 +22,7 @@ pub fn spawn(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    commands.insert_resource(Viewpoint { from: Vec3::new(1.6, 1.75, 4.4), to: Vec3::new(0.2, 1.08, 0.0) });
+    commands.insert_resource(Viewpoint { from: Vec3::new(1.9, 1.6, 4.2), to: Vec3::new(-0.1, 1.08, 0.0) });
     commands.spawn((
         Name::new("ground"),
         ClothCollider::Ground,
@@ -44,20 +44,30 @@ pub fn spawn(
     commands.entity(rod).insert((Name::new("rod"), Selectable(2)));
 
     let mut solid = |name, number, collider, color, place| {
-        commands.spawn((
-            Name::new(name),
-            Selectable(number),
-            collider,
-            MeshMaterial3d(materials.add(glossy(color))),
-            Transform::from_translation(place),
-        ));
+        let material = MeshMaterial3d(materials.add(glossy(color)));
+        commands.spawn((Name::new(name), Selectable(number), collider, material, place));
     };
-    let ball = ClothCollider::Sphere { radius: 0.3 };
-    solid("sphere", 3, ball, Color::srgb(0.10, 0.42, 0.46), Vec3::new(-0.42, 0.95, -0.08));
-    let pyramid = ClothCollider::Pyramid { base: Vec2::splat(0.8), height: 0.75 };
-    solid("pyramid", 4, pyramid, Color::srgb(0.82, 0.55, 0.16), Vec3::new(1.55, 0.375, 0.15));
-    let capsule = ClothCollider::Capsule { radius: 0.16, length: 0.6 };
-    solid("capsule", 5, capsule, Color::srgb(0.24, 0.30, 0.55), Vec3::new(0.62, 0.46, 0.8));
+    solid(
+        "sphere",
+        3,
+        ClothCollider::Sphere { radius: 0.3 },
+        Color::srgb(0.10, 0.42, 0.46),
+        Transform::from_xyz(-0.35, 0.95, -0.25),
+    );
+    solid(
+        "pyramid",
+        4,
+        ClothCollider::Pyramid { base: Vec2::splat(0.8), height: 0.75 },
+        Color::srgb(0.82, 0.55, 0.16),
+        Transform::from_xyz(-1.15, 0.375, 0.75).with_rotation(Quat::from_rotation_y(0.5)),
+    );
+    solid(
+        "capsule",
+        5,
+        ClothCollider::Capsule { radius: 0.16, length: 0.6 },
+        Color::srgb(0.24, 0.30, 0.55),
+        Transform::from_xyz(0.95, 0.46, 0.55),
+    );
 }
 
 fn matte(color: Color) -> StandardMaterial {

@@ -68,8 +68,8 @@ impl Motion {
         Self { from: pose, to: pose }
     }
 
-    /// The pose at the fraction `t` of the tick, 0..=1. At rest it is exactly `to`.
+    /// The pose at the fraction `t` of the tick, 0..=1. At rest and at the end it is exactly `to`.
     pub fn at(&self, t: f32) -> Pose {
-        if self.from == self.to { self.to } else { self.from.interpolate(&self.to, t) }
+        if self.from == self.to || t >= 1.0 { self.to } else { self.from.interpolate(&self.to, t) }
     }
 }

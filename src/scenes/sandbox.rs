@@ -22,7 +22,7 @@ pub fn spawn(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    commands.insert_resource(Viewpoint { from: Vec3::new(1.9, 1.6, 4.2), to: Vec3::new(-0.1, 1.08, 0.0) });
+    commands.insert_resource(Viewpoint { from: Vec3::new(1.5, 1.55, 3.9), to: Vec3::new(0.0, 1.05, 0.0) });
     commands.spawn((
         Name::new("ground"),
         ClothCollider::Ground,
@@ -52,21 +52,21 @@ pub fn spawn(
         3,
         ClothCollider::Sphere { radius: 0.3 },
         Color::srgb(0.10, 0.42, 0.46),
-        Transform::from_xyz(-0.35, 0.95, -0.25),
+        Transform::from_xyz(-0.85, 0.95, -0.2),
     );
     solid(
         "pyramid",
         4,
         ClothCollider::Pyramid { base: Vec2::splat(0.8), height: 0.75 },
         Color::srgb(0.82, 0.55, 0.16),
-        Transform::from_xyz(-1.15, 0.375, 0.75).with_rotation(Quat::from_rotation_y(0.5)),
+        Transform::from_xyz(-0.75, 0.375, 0.85).with_rotation(Quat::from_rotation_y(0.5)),
     );
     solid(
         "capsule",
         5,
         ClothCollider::Capsule { radius: 0.16, length: 0.6 },
         Color::srgb(0.24, 0.30, 0.55),
-        Transform::from_xyz(0.95, 0.46, 0.55),
+        Transform::from_xyz(1.05, 0.46, 0.45),
     );
 }
 

@@ -20,7 +20,11 @@ impl Tick {
     /// Substep `index` of this tick.
     pub fn substep(&self, index: u32) -> Substep {
         let count = self.substeps.max(1);
-        Substep { h: self.dt / count as f32, start: index as f32 / count as f32, end: (index + 1) as f32 / count as f32 }
+        Substep {
+            h: self.dt / count as f32,
+            start: index as f32 / count as f32,
+            end: (index + 1) as f32 / count as f32,
+        }
     }
 }
 

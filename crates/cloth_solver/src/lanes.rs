@@ -66,11 +66,7 @@ impl<S: Simd> Vec3x8<S> {
 
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {
-        Self {
-            x: self.y * b.z - self.z * b.y,
-            y: self.z * b.x - self.x * b.z,
-            z: self.x * b.y - self.y * b.x,
-        }
+        Self { x: self.y * b.z - self.z * b.y, y: self.z * b.x - self.x * b.z, z: self.x * b.y - self.y * b.x }
     }
 
     #[inline(always)]

@@ -175,7 +175,7 @@ impl GridConstraints {
             let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
             let (x, w) = (&mut self.rows_position, &self.rows_inverse_mass);
             if let Some(compliance) = bend {
-                lines::bend(simd, block, x, w, compliance);
+                lines::bend(simd, block, x, w, compliance, &mut self.elimination);
             }
             let lambda = links(&mut self.weft_lambda, block, first);
             lines::stretch(simd, block, x, w, stretch, lambda, &mut self.elimination);
@@ -195,7 +195,8 @@ impl GridConstraints {
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
             if self.fabric.bend_warp > 0.0 {
-                lines::bend(simd, block, position, inverse_mass, self.bend_warp_compliance(simd, base, h));
+                let compliance = self.bend_warp_compliance(simd, base, h);
+                lines::bend(simd, block, position, inverse_mass, compliance, &mut self.elimination);
             }
             let stretch = stretch / load(simd, &self.column_width, base);
             let lambda = links(&mut self.warp_lambda, block, base);

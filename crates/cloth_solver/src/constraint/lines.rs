@@ -40,13 +40,14 @@ pub(crate) struct Block {
 pub(crate) struct Elimination {
     vector: Soa3,
     upper: Vec<f32>,
+    far: Vec<f32>,
 }
 
 impl Elimination {
     /// For runs of up to `longest` particles.
     pub fn new(longest: usize) -> Self {
         let len = longest * LANES;
-        Self { vector: Soa3::zeros(len), upper: vec![0.0; len] }
+        Self { vector: Soa3::zeros(len), upper: vec![0.0; len], far: vec![0.0; len] }
     }
 }
 
@@ -195,9 +196,11 @@ pub(crate) fn soften<S: Simd>(
 
 /// Bending of each run: at every inner particle the vector constraint `x_{k−1} − 2 x_k + x_{k+1} = 0`, whose energy
 /// `½ D (width/l) |t₂ − t₁|²` is that of a hinge of angle θ, `|t₂ − t₁| = 2 sin(θ/2)` (isometric bending, Bergou et al.
-/// 2006, along a line). It is linear in the positions, so it needs no normals and has no degenerate configuration.
+/// 2006, along a line). It is linear in the positions, so it needs no normals and has no degenerate configuration, and
+/// all constraints of a run are solved together, by the LDLᵀ factors of the pentadiagonal system: `A_kk = w_{k−1} + 4 w_k
+/// + w_{k+1} + α̃`, `A_{k,k+1} = −2 (w_k + w_{k+1})`, `A_{k,k+2} = w_{k+1}`. Swept, fine meshes would not get stiff.
 ///
-/// `compliance` is l³/(D width h²), 1/kg. Three colours: no two constraints of a colour share a particle.
+/// `compliance` is l³/(D width h²), 1/kg.
 #[inline(always)]
 pub(crate) fn bend<S: Simd>(
     simd: S,
@@ -205,28 +208,55 @@ pub(crate) fn bend<S: Simd>(
     position: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    work: &mut Elimination,
 ) {
     let Block { base, stride, count, .. } = block;
-    let two = splat(simd, 2.0);
-    let four = splat(simd, 4.0);
-    for colour in 1..=3 {
-        let mut k = colour;
-        while k + 1 < count {
-            let (before, at, after) = (base + (k - 1) * stride, base + k * stride, base + (k + 1) * stride);
-            let (x0, x1, x2) = (
-                Vec3x8::load(simd, position, before),
-                Vec3x8::load(simd, position, at),
-                Vec3x8::load(simd, position, after),
-            );
-            let (w0, w1, w2) =
-                (load(simd, inverse_mass, before), load(simd, inverse_mass, at), load(simd, inverse_mass, after));
-            let curl = x0 + x2 - x1 * two;
-            let s = curl * (splat(simd, 1.0) / (w0 + four * w1 + w2 + compliance));
-            (x0 - s * w0).store(position, before);
-            (x1 + s * (two * w1)).store(position, at);
-            (x2 - s * w2).store(position, after);
-            k += 3;
-        }
+    let (zero, one, two) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 2.0));
+    let none = Vec3x8 { x: zero, y: zero, z: zero };
+    if count < 3 {
+        return;
+    }
+    let at = |k: usize| base + k * stride;
+    let (mut x0, mut x1) = (Vec3x8::load(simd, position, at(0)), Vec3x8::load(simd, position, at(1)));
+    let (mut w0, mut w1) = (load(simd, inverse_mass, at(0)), load(simd, inverse_mass, at(1)));
+    // Of the rows k−1 and k−2: the pivot's inverse, the factor next to the diagonal, the right-hand side.
+    let (mut inverse1, mut inverse2, mut near1, mut y1, mut y2) = (zero, zero, zero, none, none);
+    for k in 1..count - 1 {
+        let x2 = Vec3x8::load(simd, position, at(k + 1));
+        let w2 = load(simd, inverse_mass, at(k + 1));
+        let inner = if k > 1 { one } else { zero };
+        let far = if k > 2 { w0 } else { zero };
+        // The factors below the diagonal times their pivots; the nearer one, which is negative, with its sign turned.
+        let near = two * (w0 + w1) * inner - far * near1;
+        let (near_factor, far_factor) = (near * inverse1, far * inverse2);
+        let pivot = w0 + two * two * w1 + w2 + compliance - near_factor * near - far_factor * far;
+        let inverse = one / pivot;
+        let curl = x1 * two - x0 - x2;
+        let y = curl + y1 * near_factor - y2 * far_factor;
+        (y * inverse).store(&mut work.vector, k * LANES);
+        store(near_factor, &mut work.upper, k * LANES);
+        store(far_factor, &mut work.far, k * LANES);
+        (inverse2, inverse1, near1, y2, y1) = (inverse1, inverse, near_factor, y1, y);
+        (x0, x1, w0, w1) = (x1, x2, w1, w2);
+    }
+    // Back: λ_k = z_k + near_{k+1} λ_{k+1} − far_{k+2} λ_{k+2}; a particle moves once its three multipliers are known.
+    let (mut lambda1, mut lambda2) = (none, none);
+    let (mut near1, mut far1, mut far2) = (zero, zero, zero);
+    for k in (1..count - 1).rev() {
+        let z = Vec3x8::load(simd, &work.vector, k * LANES);
+        let lambda = z + lambda1 * near1 - lambda2 * far2;
+        let next = at(k + 1);
+        let push = lambda - lambda1 * two + lambda2;
+        let w = load(simd, inverse_mass, next);
+        (Vec3x8::load(simd, position, next) + push * w).store(position, next);
+        far2 = far1;
+        near1 = load(simd, &work.upper, k * LANES);
+        far1 = load(simd, &work.far, k * LANES);
+        (lambda2, lambda1) = (lambda1, lambda);
+    }
+    for (k, push) in [(1, lambda2 - lambda1 * two), (0, lambda1)] {
+        let w = load(simd, inverse_mass, at(k));
+        (Vec3x8::load(simd, position, at(k)) + push * w).store(position, at(k));
     }
 }
 
@@ -235,9 +265,7 @@ pub(crate) fn bend<S: Simd>(
 #[inline(always)]
 pub(crate) fn gather_rows<S: Simd>(simd: S, from: &[f32], to: &mut [f32], grid: Rows, first: usize) {
     for c in (0..grid.stride).step_by(LANES) {
-        let block = core::array::from_fn(|lane| {
-            load(simd, from, (first + lane).min(grid.rows - 1) * grid.stride + c)
-        });
+        let block = core::array::from_fn(|lane| load(simd, from, (first + lane).min(grid.rows - 1) * grid.stride + c));
         for (i, column) in transpose(block).into_iter().enumerate() {
             store(column, to, (c + i) * LANES);
         }

@@ -162,4 +162,3 @@ fn set_inverse_masses(grabs: &[Grab], inverse_masses: &[[f32; 3]], particles: &m
         }
     }
 }
-

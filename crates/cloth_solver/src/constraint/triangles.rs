@@ -27,9 +27,7 @@ pub(crate) struct Triangles {
 impl Triangles {
     pub fn new(topology: &Topology, fabric: &Fabric, padding: u32) -> Self {
         let batches = Batches::new(&topology.triangles, topology.slots(), padding);
-        let entry = |pick: fn(glam::Mat2) -> f32| {
-            batches.lanes(0.0, |i| pick(topology.triangle_rest[i].inverse()))
-        };
+        let entry = |pick: fn(glam::Mat2) -> f32| batches.lanes(0.0, |i| pick(topology.triangle_rest[i].inverse()));
         let (m0, m1) = (entry(|m| m.x_axis.x), entry(|m| m.x_axis.y));
         let (m2, m3) = (entry(|m| m.y_axis.x), entry(|m| m.y_axis.y));
         let inverse_rest = (0..batches.groups.len()).map(|g| [m0[g], m1[g], m2[g], m3[g]]).collect();

@@ -56,11 +56,8 @@ impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
     /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).
     pub fn offset_for(topology: &Topology, fabric: &Fabric) -> f32 {
-        let total: f32 = topology
-            .edges
-            .iter()
-            .map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]))
-            .sum();
+        let total: f32 =
+            topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize])).sum();
         let mean = total / topology.edges.len().max(1) as f32;
         (fabric.thickness / 2.0).max(mean / 8.0)
     }
@@ -87,7 +84,8 @@ pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep
             continue;
         }
         let start = collider.motion.at(sub.start);
-        let found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
+        let found =
+            dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
         contacts.touching += found.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
     }

@@ -11,10 +11,10 @@
 
 use fearless_simd::{Simd, dispatch};
 
+use crate::Particles;
 use crate::cloth::Substep;
 use crate::constraint::Constraints;
 use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat, store};
-use crate::Particles;
 use fearless_simd::prelude::*;
 
 /// Predicts positions from velocities and forces, and moves pinned particles along their frames.
@@ -92,4 +92,3 @@ fn take_velocities<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
 fn groups(slots: &[f32]) -> impl Iterator<Item = usize> + use<> {
     (0..slots.len() / LANES).map(|group| group * LANES)
 }
-

@@ -1,0 +1,89 @@
+//! Cloth from any mesh behaves as cloth from a rectangle does.
+
+mod common;
+
+use std::sync::Arc;
+
+use cloth_solver::topology::{MeshSource, Resolution};
+use cloth_solver::{Cloth, Fabric, Tick, Topology, measure};
+use common::*;
+use glam::{UVec2, Vec2, Vec3};
+
+/// The rectangle's own triangles, as a renderer's mesh; with `seam`, every triangle has vertices of its own.
+fn as_mesh(size: Vec2, cells: UVec2, seam: bool) -> (Vec<Vec3>, Vec<Vec2>, Vec<u32>) {
+    let grid = Topology::rectangle(size, Resolution::Cells(cells)).unwrap();
+    let uv = |p: Vec3| Vec2::new(p.x / size.x + 0.5, 0.5 - p.y / size.y);
+    let at = |i: &u32| grid.rest[*i as usize];
+    if seam {
+        let positions: Vec<Vec3> = grid.triangles.iter().flatten().map(at).collect();
+        let indices = (0..positions.len() as u32).collect();
+        return (positions.clone(), positions.into_iter().map(uv).collect(), indices);
+    }
+    let positions: Vec<Vec3> = grid.vertex_particle.iter().map(at).collect();
+    let vertex = |slot: &u32| grid.vertex_particle.iter().position(|s| s == slot).unwrap() as u32;
+    let indices = grid.triangles.iter().flatten().map(vertex).collect();
+    (positions.clone(), positions.into_iter().map(uv).collect(), indices)
+}
+
+fn mesh(size: Vec2, cells: UVec2, seam: bool, fabric: &Fabric) -> Cloth {
+    let (positions, uvs, indices) = as_mesh(size, cells, seam);
+    let source = MeshSource { positions: &positions, uvs: &uvs, indices: &indices };
+    Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), fabric).unwrap()
+}
+
+fn pin_top_edge(cloth: &mut Cloth) {
+    let top = cloth.topology.particles().map(|p| cloth.topology.rest[p as usize].y).fold(f32::MIN, f32::max);
+    let rest = &cloth.topology.rest;
+    let pinned: Vec<u32> = cloth.topology.particles().filter(|p| rest[*p as usize].y > top - 1e-4).collect();
+    pin_top(cloth, pinned);
+}
+
+#[test]
+fn a_mesh_stretches_along_warp_and_weft_by_their_own_stiffness() {
+    for (turned, stiffness) in [(false, 40.0), (true, 20.0)] {
+        let fabric = Fabric { stretch_warp: 40.0, stretch_weft: 20.0, shear: 0.0, ..Fabric::COTTON_POPLIN };
+        let (positions, mut uvs, indices) = as_mesh(Vec2::new(0.25, 0.5), UVec2::new(10, 20), false);
+        if turned {
+            uvs = uvs.iter().map(|uv| Vec2::new(uv.y, uv.x)).collect();
+        }
+        let source = MeshSource { positions: &positions, uvs: &uvs, indices: &indices };
+        let mut cloth = Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), &fabric).unwrap();
+        pin_top_edge(&mut cloth);
+        for _ in 0..1200 {
+            cloth.step(Tick { substeps: 40, ..TICK }, GRAVITY);
+        }
+        let bottom = |p: &u32| cloth.topology.rest[*p as usize].y < -0.25 + 1e-4;
+        let heights = cloth.topology.particles().filter(bottom).map(|p| cloth.particles.position.get(p as usize).y);
+        let low = heights.sum::<f32>() / 11.0;
+        let expected = 0.15 * 9.81 * 0.5 * 0.5 / (2.0 * stiffness);
+        let elongation = -0.25 - low;
+        assert!((elongation / expected - 1.0).abs() < 0.05, "{elongation} m, not {expected} m");
+    }
+}
+
+fn positions_low(cloth: &Cloth) -> f32 {
+    positions(cloth).iter().map(|x| x.y).fold(f32::MAX, f32::min)
+}
+
+#[test]
+fn a_mesh_whose_triangles_share_no_vertex_hangs_together() {
+    let mut cloth = mesh(Vec2::ONE, UVec2::new(12, 12), true, &Fabric::COTTON_POPLIN);
+    assert_eq!(cloth.topology.particle_count(), 13 * 13);
+    assert_eq!(cloth.topology.vertex_particle.len(), 12 * 12 * 6);
+    pin_top_edge(&mut cloth);
+    run(&mut cloth, 3.0);
+    assert!(positions_low(&cloth) > -0.6, "it fell to {}", positions_low(&cloth));
+    assert!(measure::largest_strain(&cloth.topology, &cloth.particles) < 0.05);
+}
+
+#[test]
+fn a_mesh_hangs_where_the_rectangle_does() {
+    let size = Vec2::new(0.6, 0.6);
+    let mut grid = rectangle(size.x, size.y, 16, 16, &Fabric::COTTON_POPLIN);
+    let mut mesh = mesh(size, UVec2::splat(16), false, &Fabric::COTTON_POPLIN);
+    pin_top(&mut grid, 0..=16);
+    pin_top_edge(&mut mesh);
+    run(&mut grid, 5.0);
+    run(&mut mesh, 5.0);
+    assert!((positions_low(&grid) - positions_low(&mesh)).abs() < 0.01 * size.y);
+}

@@ -11,11 +11,7 @@ fn main() -> AppExit {
     App::new().add_plugins((DefaultPlugins, ClothPlugin::default())).add_systems(Startup, setup).run()
 }
 
-fn setup(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
+fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     // A rectangle stands in the xy plane: turned about x it lies flat.
     commands.spawn((
         Cloth::rectangle(1.4, 1.4),
@@ -34,10 +30,8 @@ fn setup(
         Mesh3d(meshes.add(Plane3d::default().mesh().size(8.0, 8.0))),
         MeshMaterial3d(materials.add(Color::srgb(0.6, 0.6, 0.6))),
     ));
-    commands.spawn((
-        Camera3d::default(),
-        Transform::from_xyz(1.2, 1.6, 2.4).looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y),
-    ));
+    commands
+        .spawn((Camera3d::default(), Transform::from_xyz(1.2, 1.6, 2.4).looking_at(Vec3::new(0.0, 0.6, 0.0), Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),

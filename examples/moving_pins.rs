@@ -15,11 +15,7 @@ fn main() -> AppExit {
         .run()
 }
 
-fn setup(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
+fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     let skin = materials.add(Color::srgb(0.8, 0.6, 0.5));
     let ball = meshes.add(Sphere::new(0.05));
     let [left, right] = [(-0.5, 0.0), (0.5, 1.0)].map(|(x, phase)| {

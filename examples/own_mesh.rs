@@ -8,11 +8,7 @@ fn main() -> AppExit {
     App::new().add_plugins((DefaultPlugins, ClothPlugin::default())).add_systems(Startup, setup).run()
 }
 
-fn setup(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
+fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     let tube = Cylinder::new(0.45, 1.0).mesh().resolution(64).segments(24).without_caps().build();
     commands.spawn((
         Cloth::mesh(),

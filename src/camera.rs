@@ -38,7 +38,12 @@ impl Plugin for CameraPlugin {
     }
 }
 
-fn spawn_cameras(mut commands: Commands, canvas: Res<Canvas>, viewpoint: Res<Viewpoint>, mut images: ResMut<Assets<Image>>) {
+fn spawn_cameras(
+    mut commands: Commands,
+    canvas: Res<Canvas>,
+    viewpoint: Res<Viewpoint>,
+    mut images: ResMut<Assets<Image>>,
+) {
     let Viewpoint { from, to } = *viewpoint;
     commands.spawn((
         Name::new("Camera"),
@@ -51,7 +56,8 @@ fn spawn_cameras(mut commands: Commands, canvas: Res<Canvas>, viewpoint: Res<Vie
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Left,
             modifier_pan: Some(KeyCode::ShiftLeft),
-            zoom_lower_limit: 0.3,
+            zoom_lower_limit: 0.8,
+            zoom_sensitivity: 0.5,
             zoom_upper_limit: Some(30.0),
             pitch_lower_limit: Some(-0.2),
             use_real_time: true,
@@ -76,8 +82,7 @@ fn leave_room_for_panel(mut cameras: Query<&mut Camera, With<PanOrbitCamera>>, p
         let whole = info.physical_size;
         let taken = (panel.0 * info.scale_factor).round() as u32;
         let left = UVec2::new(whole.x.saturating_sub(taken), whole.y);
-        let viewport = (taken > 0 && left.x > 0 && left.y > 0)
-            .then(|| Viewport { physical_size: left, ..default() });
+        let viewport = (taken > 0 && left.x > 0 && left.y > 0).then(|| Viewport { physical_size: left, ..default() });
         if camera.viewport.as_ref().map(|viewport| viewport.physical_size)
             != viewport.as_ref().map(|viewport| viewport.physical_size)
         {

@@ -41,15 +41,29 @@ pub fn atmosphere(images: &mut Assets<Image>) -> impl Bundle {
 fn spawn_sun(mut commands: Commands) {
     commands.spawn((
         Name::new("Sun"),
-        DirectionalLight { illuminance: 9_000.0, color: Color::srgb(1.0, 0.96, 0.90), shadow_maps_enabled: true, ..default() },
-        CascadeShadowConfigBuilder { num_cascades: 2, first_cascade_far_bound: 6.0, maximum_distance: 18.0, ..default() }
-            .build(),
+        DirectionalLight {
+            illuminance: 9_000.0,
+            color: Color::srgb(1.0, 0.96, 0.90),
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        CascadeShadowConfigBuilder {
+            num_cascades: 2,
+            first_cascade_far_bound: 6.0,
+            maximum_distance: 18.0,
+            ..default()
+        }
+        .build(),
         Transform::from_xyz(-5.0, 5.5, 2.6).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }
 
 /// A sphere around everything, painted from the horizon up to the zenith.
-fn spawn_sky(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+fn spawn_sky(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
     let mut sky = Sphere::new(SKY_RADIUS).mesh().uv(16, 24);
     let (horizon, zenith) = (LinearRgba::from(HORIZON), LinearRgba::from(ZENITH));
     let colors: Vec<[f32; 4]> = match sky.attribute(Mesh::ATTRIBUTE_POSITION) {

@@ -6,8 +6,8 @@ mod help;
 mod keys;
 mod look;
 mod mouse;
-mod screenshot;
 mod scenes;
+mod screenshot;
 mod select;
 mod shapes;
 mod window;
@@ -23,11 +23,9 @@ fn main() -> AppExit {
     let options = cli::Options::parse();
     let mut app = App::new();
     match &options.screenshot {
-        Some(file) => app.add_plugins(screenshot::ScreenshotPlugin {
-            file: file.clone(),
-            at: options.at,
-            size: options.size.0,
-        }),
+        Some(file) => {
+            app.add_plugins(screenshot::ScreenshotPlugin { file: file.clone(), at: options.at, size: options.size.0 })
+        }
         None => app.add_plugins(window::WindowedPlugin { size: options.size.0 }),
     };
     app.add_plugins((

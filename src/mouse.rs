@@ -55,12 +55,10 @@ fn lend_to_camera(
         let over_something = hovered
             .get(&PointerId::Mouse)
             .is_some_and(|entities| entities.keys().any(|entity| !windows.contains(*entity)));
-        *drag_is_camera = !panels.wants_any_pointer_input()
-            && !is_for_gizmo(&gizmo)
-            && (is_for_camera(&keys) || !over_something);
+        *drag_is_camera =
+            !panels.wants_any_pointer_input() && !is_for_gizmo(&gizmo) && (is_for_camera(&keys) || !over_something);
     }
-    let enabled =
-        if mouse.pressed(MouseButton::Left) { *drag_is_camera } else { !panels.wants_any_pointer_input() };
+    let enabled = if mouse.pressed(MouseButton::Left) { *drag_is_camera } else { !panels.wants_any_pointer_input() };
     for mut camera in &mut cameras {
         if camera.enabled != enabled {
             camera.enabled = enabled;

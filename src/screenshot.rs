@@ -53,11 +53,7 @@ impl Plugin for ScreenshotPlugin {
         )
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(FRAME)))
-        .insert_resource(Shot {
-            file: self.file.clone(),
-            at: Duration::from_secs_f32(self.at),
-            frames_drawn: 0,
-        })
+        .insert_resource(Shot { file: self.file.clone(), at: Duration::from_secs_f32(self.at), frames_drawn: 0 })
         .add_systems(Last, take);
         let picture = Image::new_target_texture(self.size.x, self.size.y, TextureFormat::Rgba8UnormSrgb, None);
         let picture = app.world_mut().resource_mut::<Assets<Image>>().add(picture);

@@ -84,8 +84,7 @@ fn select_clicked(
     windows: Query<(), With<PrimaryWindow>>,
 ) {
     let clicked = click.original_event_target();
-    let is_click =
-        pressed.0.is_some_and(|start| start.distance(click.pointer_location.position) <= CLICK_RADIUS);
+    let is_click = pressed.0.is_some_and(|start| start.distance(click.pointer_location.position) <= CLICK_RADIUS);
     // The event climbs to parents and window; it is answered once, where it starts.
     if click.entity != clicked || click.button != PointerButton::Primary || !is_click {
         return;

@@ -35,9 +35,7 @@ fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
         ClothCollider::Capsule { radius, length } => positive(&[radius, length])
             .then(|| Capsule3d::new(radius, length).mesh().longitudes(48).latitudes(24).build()),
         ClothCollider::Cuboid { size } => positive(&size.to_array()).then(|| Cuboid::from_size(size).mesh().build()),
-        ClothCollider::Pyramid { base, height } => {
-            positive(&[base.x, base.y, height]).then(|| pyramid(base, height))
-        }
+        ClothCollider::Pyramid { base, height } => positive(&[base.x, base.y, height]).then(|| pyramid(base, height)),
         ClothCollider::Convex { .. } | ClothCollider::Ground => None,
     }
 }
@@ -46,8 +44,7 @@ fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
 fn pyramid(base: Vec2, height: f32) -> Mesh {
     let (x, y, z) = (base.x / 2.0, height / 2.0, base.y / 2.0);
     let apex = Vec3::new(0.0, y, 0.0);
-    let [a, b, c, d] =
-        [Vec3::new(-x, -y, z), Vec3::new(x, -y, z), Vec3::new(x, -y, -z), Vec3::new(-x, -y, -z)];
+    let [a, b, c, d] = [Vec3::new(-x, -y, z), Vec3::new(x, -y, z), Vec3::new(x, -y, -z), Vec3::new(-x, -y, -z)];
     let corners = [[a, b, apex], [b, c, apex], [c, d, apex], [d, a, apex], [a, d, c], [a, c, b]].concat();
     let uvs = vec![[0.0_f32, 0.0]; corners.len()];
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())

@@ -22,13 +22,6 @@ impl Plugin for WindowedPlugin {
         };
         app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
             .insert_resource(Canvas(RenderTarget::default()))
-            .add_plugins((
-                MeshPickingPlugin,
-                TransformGizmoPlugin,
-                MousePlugin,
-                SelectPlugin,
-                KeysPlugin,
-                HelpPlugin,
-            ));
+            .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin, KeysPlugin, HelpPlugin));
     }
 }

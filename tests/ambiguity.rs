@@ -51,7 +51,10 @@ fn the_fixed_schedules_are_unambiguous_with_the_default_plugins() {
 fn with_assets_and_picking_alone_every_schedule_of_a_frame_is_unambiguous() {
     let mut app = with_meshes();
     app.add_plugins((TransformPlugin, bevy::picking::PickingPlugin, bevy::picking::InteractionPlugin));
-    run_strictly(&mut app, &[&own()[..], &[FixedPostUpdate.intern(), PreUpdate.intern(), PostUpdate.intern()]].concat());
+    run_strictly(
+        &mut app,
+        &[&own()[..], &[FixedPostUpdate.intern(), PreUpdate.intern(), PostUpdate.intern()]].concat(),
+    );
 }
 
 #[test]

@@ -46,7 +46,11 @@ fn a_capsule_whose_length_is_no_number() {
 #[test]
 fn a_box_of_negative_height() {
     let good = ClothCollider::Cuboid { size: Vec3::ONE };
-    refused_until_mended(ClothCollider::Cuboid { size: Vec3::new(1.0, -1.0, 1.0) }, (good, below(0.5)), &["size", "-1"]);
+    refused_until_mended(
+        ClothCollider::Cuboid { size: Vec3::new(1.0, -1.0, 1.0) },
+        (good, below(0.5)),
+        &["size", "-1"],
+    );
 }
 
 #[test]

@@ -142,6 +142,31 @@ fn a_cloth_that_is_removed_leaves_nothing_and_may_come_back() {
 }
 
 #[test]
+fn a_part_of_the_runtime_state_that_someone_removes_is_made_anew() {
+    let (mut app, cloth) = swinging();
+    app.world_mut().entity_mut(cloth).remove::<Particles>();
+    run(&mut app, 8);
+    assert!(centre(&app, cloth).y < 0.0);
+}
+
+#[test]
+fn a_clone_of_a_cloth_is_a_cloth_of_its_own_from_the_same_mesh() {
+    let mut app = with_meshes();
+    let sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(3).build();
+    let sheet = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet);
+    let cloth = app.world_mut().spawn((Cloth::mesh(), Mesh3d(sheet.clone()), Pins::top())).id();
+    run(&mut app, 8);
+    let clone = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    run(&mut app, 8);
+    assert_eq!(get::<ClothTopology>(&app, clone).particle_count(), 25);
+    assert_ne!(get::<Mesh3d>(&app, clone).0, get::<Mesh3d>(&app, cloth).0);
+    assert_ne!(bits(&app, clone), bits(&app, cloth), "they fell for different times");
+    app.world_mut().entity_mut(clone).remove::<Cloth>();
+    run(&mut app, 2);
+    assert_eq!(get::<Mesh3d>(&app, clone).0, sheet);
+}
+
+#[test]
 fn gravity_of_its_own_overrides_the_shared_one_until_it_is_removed() {
     let mut app = headless();
     let fall = |app: &mut App, cloth| {
@@ -175,7 +200,8 @@ fn substeps_of_its_own_override_the_shared_ones() {
 fn load_raises_the_substeps_up_to_the_maximum_and_rest_brings_them_back() {
     let mut app = headless();
     let budget = Substeps { count: 2, max: 12 };
-    let cloth = (Cloth::rectangle(1.0, 2.0), Pins::rods(2), budget, Gravity(Vec3::NEG_Y * 100.0), ClothStats::default());
+    let cloth =
+        (Cloth::rectangle(1.0, 2.0), Pins::rods(2), budget, Gravity(Vec3::NEG_Y * 100.0), ClothStats::default());
     let cloth = app.world_mut().spawn(cloth).id();
     run(&mut app, 30);
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 12);
@@ -252,7 +278,9 @@ fn everything_changed_in_every_tick_stays_finite() {
         if round % 11 == 0 {
             entity.remove::<(Transform, Pins)>();
         }
-        entity.insert(Transform::from_xyz((round % 3) as f32 * 0.1, 0.0, 0.0).with_scale(Vec3::splat(1.0 + (round % 2) as f32)));
+        entity.insert(
+            Transform::from_xyz((round % 3) as f32 * 0.1, 0.0, 0.0).with_scale(Vec3::splat(1.0 + (round % 2) as f32)),
+        );
         let shape = match round % 4 {
             0 => ClothCollider::Sphere { radius: 0.2 },
             1 => ClothCollider::Cuboid { size: Vec3::splat(0.3) },

@@ -70,7 +70,9 @@ fn front_and_back_are_separate_vertices_half_a_thickness_apart_and_face_away_fro
 #[test]
 fn texture_coordinates_run_from_the_top_left_and_tangents_along_u() {
     let (app, cloth) = drawn(());
-    let Some(VertexAttributeValues::Float32x2(uvs)) = mesh(&app, cloth).attribute(Mesh::ATTRIBUTE_UV_0) else { panic!() };
+    let Some(VertexAttributeValues::Float32x2(uvs)) = mesh(&app, cloth).attribute(Mesh::ATTRIBUTE_UV_0) else {
+        panic!()
+    };
     let positions = vectors(&app, cloth, Mesh::ATTRIBUTE_POSITION);
     let top_left = uvs.iter().position(|uv| *uv == [0.0, 0.0]).expect("a vertex at the top left");
     assert!((positions[top_left].xy() - Vec2::new(-0.5, 0.5)).length() < 1e-3);
@@ -134,7 +136,9 @@ fn the_bounds_follow_the_cloth() {
 
 #[test]
 fn scale_and_place_of_the_entity_are_not_drawn_twice() {
-    let at = Transform::from_xyz(5.0, 1.0, -2.0).with_scale(Vec3::new(2.0, 3.0, 1.0)).with_rotation(Quat::from_rotation_y(1.0));
+    let at = Transform::from_xyz(5.0, 1.0, -2.0)
+        .with_scale(Vec3::new(2.0, 3.0, 1.0))
+        .with_rotation(Quat::from_rotation_y(1.0));
     let (app, cloth) = drawn((at, Gravity(Vec3::ZERO)));
     let positions = vectors(&app, cloth, Mesh::ATTRIBUTE_POSITION);
     let corner = positions[0];

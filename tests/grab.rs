@@ -2,6 +2,7 @@
 
 mod common;
 
+use bevy::camera::primitives::Aabb;
 use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
 use bevy::picking::backend::PointerHits;
 use bevy::picking::events::{Pointer, Press};
@@ -27,8 +28,14 @@ struct Stage {
 
 impl Stage {
     fn new() -> Self {
+        Self::with(|_| {})
+    }
+
+    /// With more in the app before anything is spawned.
+    fn with(more: impl FnOnce(&mut App)) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin, ClothPlugin::default()));
+        more(&mut app);
         app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
         // Where a game without a window has a pointer it still has a primary window, if an unseen one.
         app.world_mut().spawn((Window::default(), PrimaryWindow));
@@ -219,6 +226,28 @@ fn a_hit_names_the_place_the_triangle_and_the_particle() {
     assert!(named.distance(position) < 0.05, "weights say {named}, the place is {position}");
     assert!(position.xy().length() < 1e-3 && press.hit.normal.is_some_and(|normal| normal.z > 0.9));
     assert!((press.hit.depth - (2.0 - 0.1 - position.z)).abs() < 0.02, "depth {}", press.hit.depth);
+}
+
+#[test]
+fn mesh_picking_leaves_clothes_alone_and_nothing_else() {
+    let mut stage = Stage::with(|app| {
+        app.add_plugins((AssetPlugin::default(), bevy::mesh::MeshPlugin, MeshPickingPlugin));
+        // Without a renderer nothing is ever visible in a view.
+        app.world_mut().resource_mut::<MeshPickingSettings>().ray_cast_visibility = RayCastVisibility::Any;
+    });
+    let ball = stage.app.world_mut().resource_mut::<Assets<Mesh>>().add(Sphere::new(0.2));
+    let bounds = Aabb::from_min_max(Vec3::splat(-0.2), Vec3::splat(0.2));
+    let ball = (Mesh3d(ball), bounds, Transform::from_xyz(0.0, 0.0, -1.0));
+    let ball = stage.app.world_mut().spawn(ball).id();
+    run(&mut stage.app, 2);
+    take_messages::<PointerHits>(&mut stage.app);
+    stage.app.update();
+    let hits = take_messages::<PointerHits>(&mut stage.app);
+    let picks: Vec<_> = hits.iter().flat_map(|hits| &hits.picks).collect();
+    let of = |entity| picks.iter().filter(move |(pick, _)| *pick == entity);
+    assert_eq!(of(ball).count(), 1, "the ball behind the cloth is a mesh as any other");
+    assert_eq!(of(stage.cloth).count(), 1);
+    assert!(of(stage.cloth).all(|(_, hit)| hit.extra_as::<ClothHit>().is_some()));
 }
 
 #[test]

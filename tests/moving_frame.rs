@@ -32,7 +32,8 @@ fn a_cloth_without_pins_falls_on_whatever_happens_to_its_transform() {
 fn a_parent_that_moves_moves_the_frame_as_well() {
     let mut app = headless();
     let parent = app.world_mut().spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
-    let child = (Cloth::rectangle(1.0, 1.0).with_cells(8, 8), Pins::top(), Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(parent));
+    let child =
+        (Cloth::rectangle(1.0, 1.0).with_cells(8, 8), Pins::top(), Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(parent));
     let cloth = app.world_mut().spawn(child).id();
     run(&mut app, 2);
     let turn = Quat::from_rotation_y(0.3);

@@ -149,12 +149,14 @@ impl Studio {
 }
 
 fn renderer() -> RenderResources {
-    catch_unwind(|| block_on(initialize_renderer(Backends::VULKAN, None, &WgpuSettings::default()))).unwrap_or_else(|_| {
-        panic!(
-            "There is no Vulkan adapter. On a machine without a GPU install a software renderer; \
+    catch_unwind(|| block_on(initialize_renderer(Backends::VULKAN, None, &WgpuSettings::default()))).unwrap_or_else(
+        |_| {
+            panic!(
+                "There is no Vulkan adapter. On a machine without a GPU install a software renderer; \
              on Debian and Ubuntu that is the package mesa-vulkan-drivers."
-        )
-    })
+            )
+        },
+    )
 }
 
 /// Which pixels are green, and how bright they are, row by row from the top left.
@@ -190,7 +192,8 @@ impl Picture {
     /// Mean linear brightness of the middle of the picture, where the cloth is.
     fn brightness_of_cloth(&self) -> f32 {
         let middle = |i: &usize| {
-            (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) < 30 && (i / WIDTH as usize).abs_diff(HEIGHT as usize / 2) < 30
+            (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) < 30
+                && (i / WIDTH as usize).abs_diff(HEIGHT as usize / 2) < 30
         };
         let pixels: Vec<f32> = (0..self.brightness.len()).filter(middle).map(|i| self.brightness[i]).collect();
         pixels.iter().sum::<f32>() / pixels.len() as f32

@@ -55,7 +55,10 @@ impl Bits {
 impl std::fmt::Debug for Bits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // FNV-1a.
-        let hash = self.0.iter().fold(0xcbf2_9ce4_8422_2325, |hash, bits| (hash ^ u64::from(*bits)).wrapping_mul(0x100_0000_01b3));
+        let hash = self
+            .0
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325, |hash, bits| (hash ^ u64::from(*bits)).wrapping_mul(0x100_0000_01b3));
         write!(f, "{} numbers with hash {hash:016x}", self.0.len())
     }
 }

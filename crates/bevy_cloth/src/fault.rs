@@ -1,8 +1,10 @@
 //! What happens to a cloth with a number that is not finite.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
-use cloth_solver::{Fabric, Particles, Topology};
+use cloth_solver::{Cloth, Fabric, Particles, Topology};
 
 use crate::cloth::{ClothHistory, ClothTopology};
 use crate::events::ClothRecovered;
@@ -12,36 +14,38 @@ use crate::step::{ClothTick, clear_forces};
 
 /// Whether every number is finite that a tick goes on from. Inverse masses count: to the solver a NaN is a pin.
 pub(crate) fn is_finite(particles: &Particles) -> bool {
-    // A maximum of integers, which the compiler turns into vector code; infinity and NaN have the largest exponent.
-    let largest = particles.inverse_mass.iter().fold(0, |largest, w| (w.to_bits() & !SIGN).max(largest));
-    largest < f32::INFINITY.to_bits() && particles.is_finite()
+    let (x, v) = (&particles.position, &particles.velocity);
+    [&x.x, &x.y, &x.z, &v.x, &v.y, &v.z, &particles.inverse_mass].into_iter().all(|numbers| all_finite(numbers))
 }
 
-/// The sign bit of an f32.
-const SIGN: u32 = 1 << 31;
+/// Infinity and NaN have the largest bits of all numbers but for the sign, and a maximum of integers becomes vector
+/// code, which a sum of floats or a loop that ends early does not.
+fn all_finite(numbers: &[f32]) -> bool {
+    numbers.iter().fold(0, |largest, number| number.abs().to_bits().max(largest)) < f32::INFINITY.to_bits()
+}
 
 /// Puts a cloth back into its last finite shape, at rest. Masses and constraints are made anew, because whatever
 /// spoilt the positions may have spoilt them too.
 pub(crate) fn recover(
-    topology: &Topology,
+    topology: &Arc<Topology>,
     fabric: &Fabric,
     particles: &mut Particles,
     constraints: &mut Constraints,
     history: &ClothHistory,
 ) {
-    *particles = Particles::new(topology, fabric.areal_density);
+    let Ok(mut fresh) = Cloth::new(topology.clone(), fabric) else {
+        // The fabric was accepted before and cannot be refused now: it is out of the simulation if it changed since.
+        return;
+    };
     if history.position.is_finite() {
-        particles.position.copy_from(&history.position);
-        particles.previous.copy_from(&history.position);
+        fresh.particles.position.copy_from(&history.position);
+        fresh.particles.previous.copy_from(&history.position);
     }
-    // The fabric was accepted before, and so were the pins: should they be refused now, the old ones do as well.
-    if let Ok(mut fresh) = Constraints::new(topology, fabric) {
-        fresh.grabs = std::mem::take(&mut constraints.grabs);
-        if let Err(error) = fresh.set_pins(particles, constraints.pins().clone()) {
-            error!("the pins of a recovered cloth were lost: {error}");
-        }
-        *constraints = fresh;
+    fresh.constraints.grabs = std::mem::take(&mut constraints.grabs);
+    if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, constraints.pins().clone()) {
+        error!("the pins of a recovered cloth were lost: {error}");
     }
+    (*particles, *constraints) = (fresh.particles, fresh.constraints);
 }
 
 /// Looks at every cloth that moved in this tick, and brings back those with a number that is not finite.
@@ -64,7 +68,7 @@ pub(crate) fn mend(
         }
         if !is_finite(&particles) {
             let fabric = fabric.copied().unwrap_or_default();
-            recover(topology, &fabric, &mut particles, &mut constraints, &history);
+            recover(&topology.0, &fabric, &mut particles, &mut constraints, &history);
             report(&mut commands, ClothRecovered { entity });
         }
         if tick.still {
@@ -72,5 +76,20 @@ pub(crate) fn mend(
             history.position.copy_from(&particles.position);
         }
         clear_forces(&mut particles);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bad_number_among_many_is_found_whatever_its_sign() {
+        let mut numbers = [f32::MAX; 37];
+        assert!(all_finite(&numbers));
+        for bad in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            numbers[20] = bad;
+            assert!(!all_finite(&numbers), "{bad}");
+        }
     }
 }

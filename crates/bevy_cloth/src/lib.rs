@@ -41,7 +41,7 @@
 //! ticks of the fixed timestep, so that neither the frame rate nor slow motion changes the motion.
 //!
 //! # What happens in a tick
-//! [`ClothPlugin`] runs in [`FixedPostUpdate`] unless told otherwise. There it takes over what changed
+//! [`ClothPlugin`] runs in [`FixedPostUpdate`](bevy::app::FixedPostUpdate) unless told otherwise. There it takes over what changed
 //! ([`ClothSystems::Build`]), advances the clock and runs [`ClothSchedule`] zero or more times
 //! ([`ClothSystems::Advance`]). All sets are public: put a system between any two. Beside `Cloth` the entity then
 //! carries the solver's state: [`Particles`], [`Constraints`](cloth_solver::cloth::Constraints),
@@ -54,7 +54,7 @@
 //! Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
 //!
 //! # Drawing
-//! With [`Assets<Mesh>`](Mesh) present each cloth draws a mesh of its own: front and back as separate vertices, half
+//! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
 //! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
 //!

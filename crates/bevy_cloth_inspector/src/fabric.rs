@@ -9,7 +9,7 @@ use crate::widgets::{self, Unit};
 const NEWTON_PER_METRE: Unit = Unit::new("N/m", 1.0, 0.5);
 const MICRONEWTON_METRE: Unit = Unit::new("µN·m", 1e6, 0.05);
 const GRAM_PER_SQUARE_METRE: Unit = Unit::new("g/m²", 1e3, 0.5);
-const MILLISECOND: Unit = Unit::new("ms", 1e3, 0.05);
+const PER_SECOND: Unit = Unit::new("1/s", 1.0, 0.01);
 
 /// Shows the fabric of `entity`.
 pub fn show(ui: &mut egui::Ui, world: &mut World, entity: Entity) {
@@ -39,7 +39,7 @@ fn values(ui: &mut egui::Ui, fabric: &mut Fabric) {
     value("shear", "In-plane shear stiffness.", &mut fabric.shear, NEWTON_PER_METRE);
     value("bending, warp", "Stiffness against curvature along the warp.", &mut fabric.bend_warp, MICRONEWTON_METRE);
     value("bending, weft", "Stiffness against curvature along the weft.", &mut fabric.bend_weft, MICRONEWTON_METRE);
-    value("damping", "Time constant of the inner damping of shear and bending.", &mut fabric.damping, MILLISECOND);
+    value("damping", "Rate at which inner motion fades.", &mut fabric.damping, PER_SECOND);
     value("friction", "Coulomb friction coefficient.", &mut fabric.friction, Unit::NONE);
     value("stretch limit", "Largest strain the fabric takes in use.", &mut fabric.stretch_limit, Unit::PERCENT);
 }

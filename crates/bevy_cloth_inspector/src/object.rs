@@ -116,7 +116,9 @@ fn place(ui: &mut egui::Ui, transform: &mut Transform) {
     let (x, y, z) = transform.rotation.to_euler(EulerRot::XYZ);
     let before = [x, y, z].map(f32::to_degrees);
     let mut after = before;
-    widgets::row(ui, "rotation", "Around x, y and z, in this order.", |ui| widgets::numbers(ui, &mut after, Unit::DEGREES));
+    widgets::row(ui, "rotation", "Around x, y and z, in this order.", |ui| {
+        widgets::numbers(ui, &mut after, Unit::DEGREES)
+    });
     if after != before {
         let [x, y, z] = after.map(f32::to_radians);
         transform.rotation = Quat::from_euler(EulerRot::XYZ, x, y, z);

@@ -5,7 +5,7 @@
 use bevy::camera::Camera3d;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use bevy_cloth::Cloth;
+use bevy_cloth::{Cloth, ClothSystems};
 
 use crate::Selected;
 use crate::silhouette::{Edge, Surface};
@@ -24,13 +24,9 @@ pub struct OutlinePlugin;
 
 impl Plugin for OutlinePlugin {
     fn build(&self, app: &mut App) {
-        let config = GizmoConfig {
-            line: GizmoLineConfig { width: WIDTH, ..default() },
-            depth_bias: -1.0,
-            ..default()
-        };
+        let config = GizmoConfig { line: GizmoLineConfig { width: WIDTH, ..default() }, depth_bias: -1.0, ..default() };
         app.insert_gizmo_config(SelectionGizmos, config)
-            .add_systems(PostUpdate, draw.after(TransformSystems::Propagate));
+            .add_systems(PostUpdate, draw.after(TransformSystems::Propagate).after(ClothSystems::Draw));
     }
 }
 
@@ -52,7 +48,8 @@ fn draw(
         cache.0.clear();
         return;
     };
-    let Some((_, camera)) = cameras.iter().filter(|(camera, _)| camera.is_active).min_by_key(|(camera, _)| camera.order)
+    let Some((_, camera)) =
+        cameras.iter().filter(|(camera, _)| camera.is_active).min_by_key(|(camera, _)| camera.order)
     else {
         return;
     };

@@ -7,6 +7,9 @@ use bevy_egui::egui;
 /// A value dragged by one pixel changes by this share of itself.
 const DRAG_SHARE: f64 = 0.005;
 
+/// What rounds to zero is shown without a sign.
+const NOTHING: f64 = 5e-4;
+
 /// How a number is shown: its unit, and what it is multiplied by to be in that unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
@@ -56,6 +59,9 @@ pub fn row<R>(ui: &mut egui::Ui, label: &str, hint: &str, contents: impl FnOnce(
 /// one who uses it.
 pub fn number(ui: &mut egui::Ui, value: &mut f32, unit: Unit) {
     let mut shown = f64::from(*value) * unit.factor;
+    if shown.abs() < NOTHING {
+        shown = 0.0;
+    }
     let suffix = if unit.name.is_empty() { String::new() } else { format!(" {}", unit.name) };
     let speed = (shown.abs() * DRAG_SHARE).max(unit.finest);
     if ui.add(egui::DragValue::new(&mut shown).speed(speed).max_decimals(3).suffix(suffix)).changed() {

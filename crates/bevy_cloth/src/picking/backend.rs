@@ -5,10 +5,10 @@ use std::sync::Arc;
 use bevy::camera::Camera;
 use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::change_detection::Tick;
+use bevy::ecs::system::SystemParam;
 use bevy::picking::Pickable;
 use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use cloth_solver::pick::Surface;
 use cloth_solver::{Particles, Topology, measure};
@@ -141,6 +141,7 @@ fn meets(ray: Ray3d, (low, high): (Vec3, Vec3)) -> bool {
     let per_metre = ray.direction.recip();
     let (a, b) = ((low - ray.origin) * per_metre, (high - ray.origin) * per_metre);
     let enter = a.min(b).max_element().max(0.0);
-    // A ray in the very plane of a side gives a NaN, and the benefit of the doubt.
-    !(enter > a.max(b).min_element())
+    let leave = a.max(b).min_element();
+    // A ray in the very plane of a side gives a NaN, and gets the benefit of the doubt.
+    enter <= leave || enter.is_nan() || leave.is_nan()
 }

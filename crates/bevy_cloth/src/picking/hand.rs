@@ -50,15 +50,7 @@ pub(crate) fn grab(
     hands.count = hands.count.wrapping_add(1);
     let hand = u32::MAX - hands.count;
     let facing = InfinitePlane3d { normal: view.back() };
-    hands.holds.push(Hold {
-        pointer: press.pointer_id,
-        button: press.button,
-        camera,
-        cloth,
-        hand,
-        through,
-        facing,
-    });
+    hands.holds.push(Hold { pointer: press.pointer_id, button: press.button, camera, cloth, hand, through, facing });
     let ClothPicking { stiffness, max_force, .. } = *settings;
     let grab = Grab { hand, triangle: hit.triangle, weights: hit.weights, target: through, stiffness, max_force };
     commands.entity(cloth).entry::<Grabs>().or_default().and_modify(move |mut grabs| grabs.0.push(grab));

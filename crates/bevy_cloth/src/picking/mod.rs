@@ -82,10 +82,7 @@ pub(crate) fn plugin(app: &mut App) {
             PreUpdate,
             (
                 backend::cast.in_set(PickingSystems::Backend),
-                (
-                    hand::release.run_if(resource_exists::<Messages<PointerInput>>),
-                    hand::pull,
-                )
+                (hand::release.run_if(resource_exists::<Messages<PointerInput>>), hand::pull)
                     .chain()
                     .in_set(PickingSystems::PostHover),
             )

@@ -139,13 +139,14 @@ impl WantedItem<'_, '_> {
         let new_mesh = mesh.is_some_and(|id| Some(id) != seen.mesh || modified.contains(&id));
         let changes = Changes {
             shape: first
+                // Someone took a part of the runtime state away.
+                || (!running && !seen.stale)
                 || arrived
                 || new_mesh
                 || (self.cloth.is_changed() && seen.source.as_ref() != Some(&self.cloth.source))
                 || (scale - seen.scale).abs().max_element() > SCALE_TOLERANCE * seen.scale.abs().max_element(),
             fabric: differs(&self.fabric, &seen.fabric),
-            pins: differs(&self.pins, &seen.pins)
-                || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
+            pins: differs(&self.pins, &seen.pins) || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
             settings: first
                 || differs(&self.gravity, &seen.gravity)
                 || differs(&self.substeps, &seen.substeps)

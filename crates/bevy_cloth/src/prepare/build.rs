@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Pins as SolverPins;
 use cloth_solver::contact::Contacts;
-use cloth_solver::{ClothError, Fabric, Particles, Pose};
+use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose};
 
 use super::anchors::{self, Anchors};
 use super::authored::{WaitsFor, Wanted, WantedItem};
@@ -146,9 +146,8 @@ impl WantedItem<'_, '_> {
         let fabric = self.fabric();
         let pose = placement.pose;
         let frame = ClothFrame { pose, scale: placement.scale, before: pose, lost: false };
-        let mut particles = Particles::new(&topology, fabric.areal_density);
-        let mut constraints = Constraints::new(&topology, &fabric)?;
-        let contacts = Contacts { offset: Contacts::offset_for(&topology, &fabric), ..default() };
+        let SolverCloth { mut particles, mut constraints, contacts, .. } =
+            SolverCloth::new(topology.0.clone(), &fabric)?;
         let history = ClothHistory { position: particles.position.clone() };
         let mut anchors = Anchors::default();
         self.authored.faults.pins = None;
@@ -183,9 +182,8 @@ impl WantedItem<'_, '_> {
 impl RunningItem<'_, '_> {
     /// Another fabric over the same topology: shape, speed and pins stay.
     fn change_fabric(&mut self, fabric: &Fabric) -> Result<(), ClothError> {
-        fabric.validate()?;
-        let mut constraints = Constraints::new(&self.topology.0, fabric)?;
-        let mut particles = Particles::new(&self.topology.0, fabric.areal_density);
+        let new = SolverCloth::new(self.topology.0.clone(), fabric)?;
+        let (mut particles, mut constraints) = (new.particles, new.constraints);
         constraints.set_pins(&mut particles, self.constraints.pins().clone())?;
         let old = &mut *self.particles;
         std::mem::swap(&mut particles.position, &mut old.position);
@@ -195,7 +193,7 @@ impl RunningItem<'_, '_> {
         *old = particles;
         constraints.grabs = std::mem::take(&mut self.constraints.grabs);
         *self.constraints = constraints;
-        self.contacts.offset = Contacts::offset_for(&self.topology.0, fabric);
+        *self.contacts = new.contacts;
         Ok(())
     }
 

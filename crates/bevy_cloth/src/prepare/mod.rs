@@ -33,9 +33,8 @@ pub(crate) fn relative(frame: &Pose, other: &Pose) -> Pose {
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ClothSkin(pub std::sync::Arc<Skin>);
 
-/// The mesh a cloth draws, and the one its entity had before.
+/// The mesh a cloth draws, and the one its entity had before. A clone of the entity needs it to tell them apart.
 #[derive(Component, Clone, Debug)]
-#[component(clone_behavior = Ignore)]
 pub(crate) struct DrawnMesh {
     /// The user's mesh. Held so that the cloth can be built anew from it, and given back.
     pub source: Option<Handle<Mesh>>,

@@ -11,8 +11,10 @@ use crate::cloth::ClothSource;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Skin {
     /// Render vertices of each triangle, in the order of the topology's triangles.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates, or empty.
+    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub uvs: Vec<Vec2>,
     /// Vertex colours, or empty.
     pub colors: Vec<[f32; 4]>,
@@ -73,7 +75,7 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         Ok(Some(Indices::U16(indices))) => indices.iter().map(|i| u32::from(*i)).collect(),
         _ => (0..positions.len() as u32).collect(),
     };
-    if indices.len() % 3 != 0 {
+    if !indices.len().is_multiple_of(3) {
         return Err(not_a_list(format!("it has {} indices, not a multiple of 3", indices.len())));
     }
     if scale.x * scale.y * scale.z < 0.0 {

@@ -16,6 +16,7 @@ pub(crate) fn attach(
     cloths: Query<(Entity, Ref<ClothTopology>, &ClothSkin)>,
     mut drawn: Query<(&mut DrawnMesh, &mut Drawing)>,
     on_entity: Query<&Mesh3d>,
+    cloned: Query<&DrawnMesh, Without<Drawing>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut commands: Commands,
 ) {
@@ -23,7 +24,10 @@ pub(crate) fn attach(
         let shown = on_entity.get(entity).ok();
         let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
             let handle = meshes.add(two_sided(topology.vertex_particle.len(), &skin.0));
-            let mesh = DrawnMesh { source: shown.map(|mesh| mesh.0.clone()), drawn: handle.clone() };
+            // A clone still shows the mesh of the cloth it was cloned from.
+            let original = cloned.get(entity).ok().filter(|of| shown.is_some_and(|shown| shown.0 == of.drawn));
+            let source = original.map_or_else(|| shown.map(|mesh| mesh.0.clone()), |original| original.source.clone());
+            let mesh = DrawnMesh { source, drawn: handle.clone() };
             commands.entity(entity).try_insert((
                 Mesh3d(handle),
                 mesh,

@@ -77,7 +77,8 @@ pub(crate) fn write(
     mut meshes: ResMut<Assets<Mesh>>,
     stress_colors: Local<StressColors>,
 ) {
-    for (entity, (topology, skin, frame, history), particles, fabric, coloring, mesh, mut drawing, aabb) in &mut cloths {
+    for (entity, (topology, skin, frame, history), particles, fabric, coloring, mesh, mut drawing, aabb) in &mut cloths
+    {
         let drawing = &mut *drawing;
         let coloring = *coloring.unwrap_or(&shared);
         let relation = relation(&frame.pose, placements.affine(entity));

@@ -99,7 +99,7 @@ fn atan2<S: Simd>(simd: S, y: f32x8<S>, x: f32x8<S>) -> f32x8<S> {
     let s = t * t;
     // Minimax fit of atan(t)/t on 0..1, odd terms up to t¹⁵ (Abramowitz & Stegun 4.4.49).
     let mut p = splat(simd, 0.002_866_225_7);
-    for c in [-0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_088_99, 0.199_935_51, -0.333_331_45] {
+    for c in [-0.016_165_737, 0.042_909_614, -0.075_289_64, 0.106_562_64, -0.142_089, 0.199_935_51, -0.333_331_45] {
         p = p * s + splat(simd, c);
     }
     let angle = t + t * s * p;

@@ -237,7 +237,7 @@ fn mesh_picking_leaves_clothes_alone_and_nothing_else() {
     });
     let ball = stage.app.world_mut().resource_mut::<Assets<Mesh>>().add(Sphere::new(0.2));
     let bounds = Aabb::from_min_max(Vec3::splat(-0.2), Vec3::splat(0.2));
-    let ball = (Mesh3d(ball), bounds, Transform::from_xyz(0.0, 0.0, -1.0));
+    let ball = (Mesh3d(ball), bounds, Visibility::default(), Transform::from_xyz(0.0, 0.0, -1.0));
     let ball = stage.app.world_mut().spawn(ball).id();
     run(&mut stage.app, 2);
     take_messages::<PointerHits>(&mut stage.app);

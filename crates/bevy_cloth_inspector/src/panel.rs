@@ -6,7 +6,7 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use crate::{InspectorOpen, PanelWidth, Selected, cloth, fabric, object, statistics, world};
 
-/// Width the panel opens with, logical pixels.
+/// Width of the panel, logical pixels.
 const WIDTH: f32 = 310.0;
 
 /// Draws the panel into the primary egui context, if it is open.
@@ -19,15 +19,19 @@ pub fn show(world: &mut World) {
 fn draw(world: &mut World) -> Option<f32> {
     let mut contexts = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>();
     let context = contexts.single_mut(world).ok()?.get_mut().clone();
-    let mut screen = egui::Ui::new(
-        context.clone(),
-        "cloth inspector".into(),
-        egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.viewport_rect()),
-    );
-    let panel = egui::Panel::right("cloth inspector panel").default_size(WIDTH).show_inside(&mut screen, |ui| {
-        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
+    // An area of its own: a panel on egui's background would let clicks through to the scene.
+    let screen = context.viewport_rect();
+    let corner = screen.right_top() - egui::vec2(WIDTH, 0.0);
+    let area = egui::Area::new("cloth inspector".into()).fixed_pos(corner).constrain(false).show(&context, |ui| {
+        let frame = egui::Frame::side_top_panel(ui.style());
+        let size = egui::vec2(WIDTH, screen.height()) - frame.total_margin().sum();
+        frame.show(ui, |ui| {
+            ui.set_min_size(size);
+            ui.set_max_size(size);
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
+        });
     });
-    Some(panel.response.rect.width())
+    Some(area.response.rect.width())
 }
 
 fn sections(ui: &mut egui::Ui, world: &mut World) {

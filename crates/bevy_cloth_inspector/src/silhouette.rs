@@ -103,10 +103,11 @@ impl<'a> Surface<'a> {
         self.triangles.iter().filter_map(move |triangle| {
             let at = triangle.map(|vertex| (self.position(vertex), self.normal(vertex)));
             let facing = at.map(|(position, normal)| normal.dot(eye - position));
-            let mut crossings = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(i, j)| {
-                ((facing[i] > 0.0) != (facing[j] > 0.0))
-                    .then(|| at[i].0.lerp(at[j].0, facing[i] / (facing[i] - facing[j])))
-            });
+            let crossing = |i: usize, j: usize| at[i].0.lerp(at[j].0, facing[i] / (facing[i] - facing[j]));
+            let mut crossings = [(0, 1), (1, 2), (2, 0)]
+                .into_iter()
+                .filter(|(i, j)| (facing[*i] > 0.0) != (facing[*j] > 0.0))
+                .map(|(i, j)| crossing(i, j));
             Some([crossings.next()?, crossings.next()?])
         })
     }

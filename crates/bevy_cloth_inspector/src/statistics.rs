@@ -60,7 +60,7 @@ fn times(ui: &mut egui::Ui, world: &World) {
         .filter(|diagnostic| diagnostic.suffix.trim() == "ms")
         .filter_map(|diagnostic| Some((diagnostic.path().as_str().strip_prefix(CLOTH_PATH)?, diagnostic.smoothed()?)))
         .collect();
-    phases.sort_unstable_by(|(a, _), (b, _)| a.cmp(b));
+    phases.sort_unstable_by_key(|(phase, _)| *phase);
     for (phase, time) in phases {
         line(ui, phase.trim_end_matches("_ms"), format!("{time:.2} ms"));
     }

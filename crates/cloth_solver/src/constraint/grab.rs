@@ -27,19 +27,18 @@ pub struct Grab {
 const FINGERTIP_MASS: f32 = 0.02;
 
 impl Grab {
-    /// The fingertip's inertia: the inverse mass that the three particles have while they are held.
-    pub(crate) fn held_inverse_mass(&self, particles: &Particles) -> [f32; 3] {
-        let mut held = self.particles.map(|p| particles.inverse_mass[p as usize]);
-        for (w, share) in held.iter_mut().zip(self.weights) {
+    /// Adds the fingertip's inertia to that of the three particles, for one substep.
+    pub(crate) fn take_hold(&self, particles: &mut Particles) {
+        for (&particle, share) in self.particles.iter().zip(self.weights) {
+            let w = &mut particles.inverse_mass[particle as usize];
             if *w > 0.0 {
                 *w = 1.0 / (1.0 / *w + FINGERTIP_MASS * share);
             }
         }
-        held
     }
 
     /// One implicit Euler step of a critically damped spring between the held point and its target, whose pull is cut
-    /// off at `max_force`. `inverse_mass` is [`Self::held_inverse_mass`].
+    /// off at `max_force`.
     pub(crate) fn apply(&self, particles: &mut Particles, sub: &Substep) {
         let slots = self.particles.map(|p| p as usize);
         let point = |v: &crate::Soa3| -> Vec3 { (0..3).map(|i| v.get(slots[i]) * self.weights[i]).sum() };

@@ -11,6 +11,9 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 /// so where both carry much they leave a strain of this order times the ratio of their loads' change over an edge.
 const STATIC_LOAD: f32 = 0.25;
 
+// A particle that has the inertia its load asks for must still count as loaded, or it would lose it again.
+const _: () = assert!(STATIC_LOAD > lines::EXPLICIT_LOAD);
+
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
 #[derive(Clone, Debug)]
 pub(super) struct GridConstraints {

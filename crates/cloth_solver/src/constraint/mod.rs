@@ -115,10 +115,13 @@ impl Constraints {
             }
     }
 
-    /// Gives pinned particles inverse mass 0.
-    pub(crate) fn hold_pins(&self, particles: &mut Particles) {
+    /// Gives pinned particles inverse mass 0, and those in a hand the hand's inertia too.
+    pub(crate) fn take_hold(&self, particles: &mut Particles) {
         for pin in &self.pins.pins {
             particles.inverse_mass[pin.particle as usize] = 0.0;
+        }
+        for grab in &self.grabs {
+            grab.take_hold(particles);
         }
     }
 
@@ -129,12 +132,6 @@ impl Constraints {
 
     /// Solves every constraint once, soft ones first, so that what is stiff is most exact.
     pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) {
-        let held: Vec<_> = self.grabs.iter().map(|grab| grab.held_inverse_mass(particles)).collect();
-        let free: Vec<_> = self.grabs.iter().map(|g| g.particles.map(|p| particles.inverse_mass[p as usize])).collect();
-        set_inverse_masses(&self.grabs, &held, particles);
-        for grab in &self.grabs {
-            grab.apply(particles, sub);
-        }
         particles.load.fill(0.0);
         match &mut self.surface {
             Surface::Empty => {}
@@ -144,21 +141,16 @@ impl Constraints {
         if let Some(tethers) = &self.tethers {
             tethers.solve(particles);
         }
-        set_inverse_masses(&self.grabs, &free, particles);
+        // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
+        for grab in &self.grabs {
+            grab.apply(particles, sub);
+        }
     }
 
     /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
     pub(crate) fn damp(&self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
             damping::damp(particles, self.damping, dt);
-        }
-    }
-}
-
-fn set_inverse_masses(grabs: &[Grab], inverse_masses: &[[f32; 3]], particles: &mut Particles) {
-    for (grab, values) in grabs.iter().zip(inverse_masses) {
-        for (&particle, &value) in grab.particles.iter().zip(values) {
-            particles.inverse_mass[particle as usize] = value;
         }
     }
 }

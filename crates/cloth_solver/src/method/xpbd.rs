@@ -20,7 +20,7 @@ use fearless_simd::prelude::*;
 /// Predicts positions from velocities and forces, and moves pinned particles along their frames.
 pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Substep) {
     dispatch!(*LEVEL, simd => scale_masses(simd, particles));
-    constraints.hold_pins(particles);
+    constraints.take_hold(particles);
     dispatch!(*LEVEL, simd => predict(simd, particles, sub.h));
     constraints.apply_pins(particles, sub);
 }

@@ -18,7 +18,7 @@ pub struct MousePlugin;
 
 impl Plugin for MousePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PreUpdate, lend_to_cloth.after(InputSystems).before(PickingSystems::Hover))
+        app.add_systems(PreUpdate, lend_to_cloth.after(InputSystems).before(PickingSystems::Backend))
             .add_systems(PostUpdate, lend_to_camera.before(PanOrbitCameraSystemSet))
             .configure_sets(PostUpdate, TransformGizmoSystems.run_if(gizmo_may_work));
     }

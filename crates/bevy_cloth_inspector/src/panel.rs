@@ -54,7 +54,7 @@ fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl FnOnce(&mu
 fn shown_cloth(world: &mut World) -> Option<Entity> {
     let selected = world.resource::<Selected>().0;
     let mut clothes: Vec<Entity> = world.query_filtered::<Entity, With<Cloth>>().iter(world).collect();
-    clothes.sort_unstable();
+    clothes.sort_unstable_by_key(|entity| entity.index_u32());
     let hangs_on = |cloth: Entity, on: Entity| {
         let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
         std::iter::successors(Some(cloth), |entity| parent(*entity)).any(|entity| entity == on)
@@ -62,4 +62,28 @@ fn shown_cloth(world: &mut World) -> Option<Entity> {
     selected
         .and_then(|on| clothes.iter().copied().find(|cloth| hangs_on(*cloth, on)))
         .or_else(|| clothes.first().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cloth_that_hangs_on_the_selected_rod_is_shown_else_the_first() {
+        let mut world = World::new();
+        let first = world.spawn(Cloth::default()).id();
+        let rod = world.spawn_empty().id();
+        let second = world.spawn((Cloth::default(), ChildOf(rod))).id();
+        for (selected, shown) in [(None, first), (Some(rod), second), (Some(second), second), (Some(first), first)] {
+            world.insert_resource(Selected(selected));
+            assert_eq!(shown_cloth(&mut world), Some(shown));
+        }
+    }
+
+    #[test]
+    fn a_world_without_cloth_shows_none() {
+        let mut world = World::new();
+        world.init_resource::<Selected>();
+        assert_eq!(shown_cloth(&mut world), None);
+    }
 }

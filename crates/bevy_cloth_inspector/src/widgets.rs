@@ -112,3 +112,31 @@ where
 pub fn refusal(ui: &mut egui::Ui, reason: &str) {
     ui.label(egui::RichText::new(format!("⚠ {reason}")).color(ui.visuals().error_fg_color));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Component, Clone, PartialEq, Debug)]
+    struct Value(f32);
+
+    #[test]
+    fn looking_at_a_component_is_no_change_and_editing_it_is_one() {
+        let mut world = World::new();
+        let entity = world.spawn(Value(1.0)).id();
+        world.clear_trackers();
+        edit(&mut world, entity, |value: &mut Value| value.0 = 1.0);
+        assert!(!world.entity(entity).get_ref::<Value>().expect("there").is_changed());
+        edit(&mut world, entity, |value: &mut Value| value.0 = 2.0);
+        let value = world.entity(entity).get_ref::<Value>().expect("there");
+        assert!(value.is_changed());
+        assert_eq!(*value, Value(2.0));
+    }
+
+    #[test]
+    fn what_is_not_there_is_not_edited() {
+        let mut world = World::new();
+        let entity = world.spawn_empty().id();
+        edit(&mut world, entity, |_: &mut Value| panic!("there is no component"));
+    }
+}

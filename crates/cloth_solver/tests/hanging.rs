@@ -104,3 +104,19 @@ fn tethers_hold_the_stretch_that_a_coarse_step_leaves() {
     assert!(strain(None) > 0.02, "jersey stretches by centimetres");
     assert!(strain(Some(0.005)) < 0.006, "and does not with tethers");
 }
+
+#[test]
+fn the_residual_vanishes_at_rest_and_not_in_a_coarse_step() {
+    let mut cloth = rectangle(1.0, 1.0, 20, 20, &Fabric::COTTON_POPLIN);
+    pin_top(&mut cloth, 0..=20);
+    run(&mut cloth, 10.0);
+    let h = TICK.dt / TICK.substeps as f32;
+    let at_rest = cloth.constraints.residual(&cloth.particles, h).unwrap();
+    assert!(at_rest < 1e-5, "{at_rest}");
+    for p in 0..cloth.topology.slots() {
+        cloth.particles.velocity.set(p, Vec3::new(3.0, 0.0, 2.0) * cloth.topology.rest[p].x);
+    }
+    cloth.step(Tick { substeps: 1, ..TICK }, GRAVITY);
+    let coarse = cloth.constraints.residual(&cloth.particles, TICK.dt).unwrap();
+    assert!(coarse > 10.0 * at_rest, "{coarse} against {at_rest}");
+}

@@ -72,6 +72,35 @@ impl GridConstraints {
         count + if self.fabric.bend_weft > 0.0 { rows * (columns - 2) } else { 0 }
     }
 
+    /// Root mean square of what the last substep, of length `h`, left of `C + α̃ λ` in the links along warp and weft, in
+    /// rest lengths.
+    pub fn residual(&self, particles: &Particles, h: f32) -> f32 {
+        let (columns, rows) = (self.grid.columns as usize, self.grid.rows as usize);
+        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
+        let compliance = |along: f32, across: f32, stiffness: f32| along / (stiffness * across * h * h);
+        let weft = compliance(a, b, self.fabric.stretch_weft);
+        let warp = compliance(b, a, self.fabric.stretch_warp);
+        let at = |row: usize, column: usize| particles.position.get(row * self.grid.stride as usize + column);
+        // The multiplier of link k of run `run`: blocks of eight runs, eight lanes per link.
+        let lambda =
+            |of: &[f32], run: usize, count: usize, k: usize| of[(run / LANES * count + k) * LANES + run % LANES];
+        let mut sum = 0.0_f64;
+        let mut add = |length: f32, rest: f32, slack: f32| sum += f64::from((length - rest + slack) / rest).powi(2);
+        for row in 0..rows {
+            for k in 0..columns - 1 {
+                let slack = weft / self.row_width[row] * lambda(&self.weft_lambda, row, columns, k);
+                add(at(row, k).distance(at(row, k + 1)), a, slack);
+            }
+        }
+        for column in 0..columns {
+            for k in 0..rows - 1 {
+                let slack = warp / self.column_width[column] * lambda(&self.warp_lambda, column, rows, k);
+                add(at(k, column).distance(at(k + 1, column)), b, slack);
+            }
+        }
+        (sum / (rows * (columns - 1) + columns * (rows - 1)) as f64).sqrt() as f32
+    }
+
     /// Bending stiffness against twist, N·m: the mean of warp and weft.
     fn twist_stiffness(&self) -> f32 {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)

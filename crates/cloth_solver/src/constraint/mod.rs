@@ -115,6 +115,16 @@ impl Constraints {
             }
     }
 
+    /// How far the last substep, of length `h` (s), is from having solved the stretch constraints: the root mean square of
+    /// `C + α̃ λ` over all links along warp and weft, in rest lengths. `None` for a mesh that is no grid, whose multipliers
+    /// are not kept.
+    pub fn residual(&self, particles: &Particles, h: f32) -> Option<f32> {
+        match &self.surface {
+            Surface::Grid(grid) => Some(grid.residual(particles, h)),
+            Surface::Mesh(_) | Surface::Empty => None,
+        }
+    }
+
     /// Gives pinned particles inverse mass 0, and those in a hand the hand's inertia too.
     pub(crate) fn take_hold(&self, particles: &mut Particles) {
         for pin in &self.pins.pins {

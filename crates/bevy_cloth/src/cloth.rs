@@ -16,7 +16,8 @@ use crate::prepare::Authored;
 ///
 /// The scale of the entity's [`Transform`] is part of the rest shape: a rectangle of 1 m × 1 m on an entity scaled by
 /// 2 is a cloth of 2 m × 2 m of the same fabric. A changed scale therefore builds the cloth anew, flat and at rest;
-/// a changed place or orientation moves its frame and what is pinned to it, and leaves the rest where it is.
+/// a changed place or orientation moves its frame and what is pinned to it, and leaves the rest where it is. A jump of
+/// more than 10 m from one tick to the next takes all of it along.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, Visibility, Fabric, Authored)]

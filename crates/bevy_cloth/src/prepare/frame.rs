@@ -16,6 +16,10 @@ use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::step::ClothTick;
 
+/// A cloth whose frame goes farther than this in one tick, m, is taken along in the shape it has. At 640 m/s and more
+/// nothing could be simulated that anybody sees; it is a jump of the player or of the world's origin.
+const TELEPORT: f32 = 10.0;
+
 /// What one cloth does in this tick.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
@@ -30,6 +34,10 @@ impl StepPlan {
     /// Finds the number of substeps from the load of the last tick. Where a particle's load asks for f times the inertia
     /// it has, √f times as many substeps do without it; a cloth that is relieved comes back to its budget one by one.
     fn plan_substeps(&mut self, budget: &Substeps, particles: &Particles) {
+        if budget.max <= budget.count {
+            self.substeps = budget.count;
+            return;
+        }
         let mut heaviest = 0.0_f32;
         for (load, mass) in particles.load.iter().zip(&particles.mass) {
             heaviest = if *load > heaviest * mass && *mass > 0.0 { load / mass } else { heaviest };
@@ -97,13 +105,17 @@ pub(crate) fn advance(
 }
 
 impl TickingItem<'_, '_> {
-    /// Moves the frame to where the entity stands now. Everything that is not pinned keeps its place in the world.
+    /// Moves the frame to where the entity stands now. Everything that is not pinned keeps its place in the world,
+    /// unless the frame jumps.
     fn move_frame(&mut self, placement: Option<Placement>) {
         let frame = &mut *self.frame;
         let finite = placement.filter(Placement::is_finite);
         frame.lost = placement.is_some() && finite.is_none();
         frame.before = frame.pose;
         frame.pose = finite.map_or(frame.pose, |placement| placement.pose);
+        if frame.pose.position.distance(frame.before.position) > TELEPORT {
+            frame.before = frame.pose;
+        }
         if frame.pose != frame.before {
             let step = frame.step();
             let particles = &mut *self.particles;

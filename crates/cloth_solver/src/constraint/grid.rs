@@ -1,5 +1,6 @@
 //! The constraints of a grid: cells, then rows, then columns.
 
+use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells};
@@ -196,7 +197,7 @@ impl GridConstraints {
     /// Bending and stretch along the weft.
     #[inline(always)]
     fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
-        let mut load_ratio = 0.0_f32;
+        let mut largest = splat(simd, 0.0);
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let (rows, block) = (self.rows(), self.row_block());
         let stretch = splat(simd, a / (self.fabric.stretch_weft * b * h * h));
@@ -210,17 +211,17 @@ impl GridConstraints {
                 lines::bend(simd, block, x, w, compliance, &mut self.elimination);
             }
             let lambda = links(&mut self.weft_lambda, block, first);
-            lines::stretch(simd, block, x, w, stretch, lambda, &mut self.elimination);
-            load_ratio = load_ratio.max(lines::largest_load(simd, block, w, lambda));
+            let load_ratio = lines::stretch(simd, block, x, w, stretch, lambda, &mut self.elimination);
+            largest = largest.max(load_ratio);
             scatter(simd, x, &mut particles.position, rows, first);
         }
-        load_ratio
+        largest.reduce_max()
     }
 
     /// Bending and stretch along the warp.
     #[inline(always)]
     fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
-        let mut load_ratio = 0.0_f32;
+        let mut largest = splat(simd, 0.0);
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let stretch = splat(simd, b / (self.fabric.stretch_warp * a * h * h));
         let Particles { position, inverse_mass, .. } = particles;
@@ -232,10 +233,11 @@ impl GridConstraints {
             }
             let stretch = stretch / load(simd, &self.column_width, base);
             let lambda = links(&mut self.warp_lambda, block, base);
-            lines::stretch(simd, block, position, inverse_mass, stretch, lambda, &mut self.elimination);
-            load_ratio = load_ratio.max(lines::largest_load(simd, block, inverse_mass, lambda));
+            let load_ratio =
+                lines::stretch(simd, block, position, inverse_mass, stretch, lambda, &mut self.elimination);
+            largest = largest.max(load_ratio);
         }
-        load_ratio
+        largest.reduce_max()
     }
 }
 

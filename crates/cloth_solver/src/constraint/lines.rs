@@ -55,7 +55,8 @@ impl Elimination {
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
 /// `A_kk = w_k + w_{k+1} + α̃`, `A_{k−1,k} = −w_k n_{k−1}·n_k`, `A λ = −C`.
 ///
-/// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `lambda`, eight lanes per link.
+/// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `lambda`, eight lanes per link, and returns the largest
+/// T h²/(m l) = −λ/(m l) of each run, m the lighter end of a link.
 #[inline(always)]
 pub(crate) fn stretch<S: Simd>(
     simd: S,
@@ -65,7 +66,7 @@ pub(crate) fn stretch<S: Simd>(
     compliance: f32x8<S>,
     lambda: &mut [f32],
     work: &mut Elimination,
-) {
+) -> f32x8<S> {
     let Block { base, stride, count, spacing } = block;
     let zero = splat(simd, 0.0);
     let one = splat(simd, 1.0);
@@ -97,7 +98,7 @@ pub(crate) fn stretch<S: Simd>(
     }
 
     // Back substitution; particle k+1 is corrected once the multipliers on both its sides are known.
-    let mut lambda_above = zero;
+    let (mut lambda_above, mut load_ratio) = (zero, zero);
     let mut pull_above = Vec3x8 { x: zero, y: zero, z: zero };
     for k in (0..count - 1).rev() {
         let at = base + (k + 1) * stride;
@@ -105,6 +106,7 @@ pub(crate) fn stretch<S: Simd>(
         let upper_above = if k + 2 < count { load(simd, &work.upper, (k + 1) * LANES) } else { zero };
         let multiplier = load(simd, lambda, k * LANES) - upper_above * lambda_above;
         store(multiplier, lambda, k * LANES);
+        load_ratio = load_ratio.max(-(multiplier.min(lambda_above) * w));
         let pull = Vec3x8::load(simd, &work.vector, k * LANES) * multiplier;
         let x = Vec3x8::load(simd, position, at) + (pull - pull_above) * w;
         x.store(position, at);
@@ -113,19 +115,7 @@ pub(crate) fn stretch<S: Simd>(
     let w = load(simd, inverse_mass, base);
     let x = Vec3x8::load(simd, position, base) - pull_above * w;
     x.store(position, base);
-}
-
-/// The largest T h²/(m l) of the last [`stretch`], T the tension of a link, m the lighter of its ends.
-#[inline(always)]
-pub(crate) fn largest_load<S: Simd>(simd: S, block: Block, inverse_mass: &[f32], lambda: &[f32]) -> f32 {
-    let mut largest = splat(simd, 0.0);
-    let mut w = load(simd, inverse_mass, block.base);
-    for k in 0..block.count - 1 {
-        let w_next = load(simd, inverse_mass, block.base + (k + 1) * block.stride);
-        largest = largest.max(-(load(simd, lambda, k * LANES) * w.max(w_next)));
-        w = w_next;
-    }
-    largest.reduce_max() / block.spacing
+    load_ratio.max(-(lambda_above * w)) * splat(simd, 1.0 / spacing)
 }
 
 /// Adds `scale` T h²/l to `inertia` of each particle, kg, T the larger tension of its two links in the last [`stretch`].

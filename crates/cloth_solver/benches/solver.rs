@@ -1,4 +1,4 @@
-//! What a constraint and a tick cost: `cargo bench -p cloth_lab --bench solver`.
+//! What a constraint and a tick cost: `cargo bench -p cloth_solver`.
 //!
 //! `constraint` reports the time of a tick over the constraints it solves (elements are constraint solves: 1/throughput
 //! is the time of one); `tick` the time of 1/60 s at the default budget. One core, cotton, 1 × 1 m, swinging from its top

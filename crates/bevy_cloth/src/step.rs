@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use cloth_solver::Particles;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::{self, Contacts};
-use cloth_solver::method::xpbd;
+use cloth_solver::method;
 
 use crate::clock::ClothClock;
 use crate::prepare::StepPlan;
@@ -91,10 +91,10 @@ pub(crate) fn run_substeps(world: &mut World, plans: &mut QueryState<&StepPlan>)
     });
 }
 
-pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan)>, tick: Res<ClothTick>) {
-    for (mut particles, constraints, plan) in &mut cloths {
+pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, mut constraints, plan) in &mut cloths {
         if let Some(sub) = plan.substep(&tick) {
-            xpbd::integrate(&mut particles, constraints, &sub);
+            method::integrate(&mut particles, &mut constraints, &sub);
         }
     }
 }
@@ -102,7 +102,7 @@ pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPl
 pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
     for (mut particles, mut constraints, plan) in &mut cloths {
         if let Some(sub) = plan.substep(&tick) {
-            xpbd::solve(&mut particles, &mut constraints, &sub);
+            method::solve(&mut particles, &mut constraints, &sub);
         }
     }
 }

@@ -1,1 +1,12 @@
-//! The laboratory of the cloth solver. So far it holds the benchmarks, see `benches/`.
+//! The lab: speed against accuracy charted, stability mapped, known answers checked, engines compared, scenes advised.
+//!
+//! Every command is a module with its arguments and a `run`.
+
+pub mod advise;
+pub mod chart;
+pub mod compare;
+mod error;
+pub mod stability;
+pub mod validate;
+
+pub use error::LabError;

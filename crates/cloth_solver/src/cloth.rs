@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::contact::Contacts;
+use crate::method::Method;
 use crate::{ClothError, Fabric, Particles, Topology};
 
 /// One tick: how long, in how many substeps.
@@ -14,6 +15,8 @@ pub struct Tick {
     pub dt: f32,
     /// Number of substeps, at least 1.
     pub substeps: u32,
+    /// Iterations in a substep, at least 1; of no effect on methods that do not iterate.
+    pub iterations: u32,
 }
 
 impl Tick {
@@ -24,6 +27,7 @@ impl Tick {
             h: self.dt / count as f32,
             start: index as f32 / count as f32,
             end: (index + 1) as f32 / count as f32,
+            iterations: self.iterations.max(1),
         }
     }
 }
@@ -37,6 +41,8 @@ pub struct Substep {
     pub start: f32,
     /// Where in the tick it ends, 0..=1.
     pub end: f32,
+    /// Iterations, at least 1.
+    pub iterations: u32,
 }
 
 pub use crate::constraint::Constraints;
@@ -66,13 +72,18 @@ impl Cloth {
         })
     }
 
+    /// Advances with `method` from now on.
+    pub fn set_method(&mut self, method: Method) {
+        self.constraints.set_method(method);
+    }
+
     /// Advances by one tick under `gravity` (m/s²).
     pub fn step(&mut self, tick: Tick, gravity: Vec3) {
         self.particles.acceleration = gravity;
         for index in 0..tick.substeps.max(1) {
             let sub = tick.substep(index);
-            crate::method::xpbd::integrate(&mut self.particles, &self.constraints, &sub);
-            crate::method::xpbd::solve(&mut self.particles, &mut self.constraints, &sub);
+            crate::method::integrate(&mut self.particles, &mut self.constraints, &sub);
+            crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
             crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
         }
     }

@@ -23,6 +23,7 @@ const DAMPING: f32 = 0.5;
 /// Thickness and friction of a preset are typical of its class, and the damping is always an estimate.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
 #[cfg_attr(feature = "ecs", reflect(Default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fabric {
     /// Mass per area, kg/m²; 1e-5..=100, fabrics lie in 0.02..=1. The lower end is there for stability sweeps.

@@ -2,13 +2,14 @@
 //!
 //! The crate knows no engine, reads no clock and owns no thread. One tick of one cloth is
 //! [`Cloth::step`]; an engine that wants its own systems between the phases calls them itself:
-//! [`method::xpbd::integrate`], [`method::xpbd::solve`], [`contact::collide`].
+//! [`method::integrate`], [`method::solve`], [`contact::collide`].
 
 pub mod cloth;
 pub mod constraint;
 pub mod contact;
 pub mod error;
 pub mod fabric;
+pub mod forces;
 pub mod measure;
 pub mod method;
 pub mod particles;
@@ -21,6 +22,7 @@ mod lanes;
 pub use cloth::{Cloth, Tick};
 pub use error::ClothError;
 pub use fabric::Fabric;
+pub use method::Method;
 pub use particles::{Particles, Soa3};
 pub use pose::{Motion, Pose};
 pub use topology::{Grid, Topology};

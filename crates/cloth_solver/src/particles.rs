@@ -146,6 +146,24 @@ impl Particles {
         all.set(slot, all.get(slot) + force);
     }
 
+    /// Hangs a further `mass` (kg, 0..=1e6) on particle `slot`.
+    ///
+    /// # Errors
+    /// A slot that is no particle, or a mass out of range; then nothing changes.
+    pub fn add_mass(&mut self, slot: usize, mass: f32) -> Result<(), crate::ClothError> {
+        crate::ClothError::check("weight", mass, 0.0..=1e6, "0..=1,000,000 kg")?;
+        if self.mass.get(slot).is_none_or(|m| *m <= 0.0) {
+            let particles = self.mass.iter().filter(|m| **m > 0.0).count();
+            return Err(crate::ClothError::NoSuchParticle { field: "weight", particle: slot as u32, particles });
+        }
+        self.mass[slot] += mass;
+        self.inertia[slot] = self.mass[slot];
+        if self.inverse_mass[slot] > 0.0 {
+            self.inverse_mass[slot] = 1.0 / self.mass[slot];
+        }
+        Ok(())
+    }
+
     /// How many particles carry more inertia than mass now; see [`crate::method::xpbd`].
     pub fn scaled(&self) -> usize {
         self.load.iter().zip(&self.mass).filter(|(load, mass)| *mass > &0.0 && load > mass).count()

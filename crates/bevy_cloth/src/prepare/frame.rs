@@ -49,7 +49,8 @@ impl StepPlan {
 
     /// What this cloth does in the substep at hand, if it has so many.
     pub fn substep(&self, tick: &ClothTick) -> Option<Substep> {
-        (tick.substep < self.substeps).then(|| Tick { dt: tick.dt, substeps: self.substeps }.substep(tick.substep))
+        (tick.substep < self.substeps)
+            .then(|| Tick { dt: tick.dt, substeps: self.substeps, iterations: 1 }.substep(tick.substep))
     }
 }
 

@@ -19,6 +19,7 @@ use fearless_simd::dispatch;
 
 use crate::cloth::Substep;
 use crate::lanes::LEVEL;
+use crate::method::Method;
 use crate::{ClothError, Fabric, Particles, Topology};
 use grid::GridConstraints;
 use mesh::MeshConstraints;
@@ -35,6 +36,7 @@ pub struct Constraints {
     surface: Surface,
     /// Rate of internal friction, 1/s.
     damping: f32,
+    method: Method,
 }
 
 /// What keeps the fabric together.
@@ -55,6 +57,16 @@ impl Constraints {
             None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric))),
         };
         Ok(Self { surface, damping: fabric.damping, ..Self::default() })
+    }
+
+    /// Advances with `method` from now on.
+    pub fn set_method(&mut self, method: Method) {
+        self.method = method;
+    }
+
+    /// The method it is advanced with.
+    pub fn method(&self) -> Method {
+        self.method
     }
 
     /// Replaces all pins: pinned particles get inverse mass 0, released ones their own again.

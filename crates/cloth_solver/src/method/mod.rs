@@ -1,3 +1,80 @@
-//! Time-stepping methods, one file each.
+//! Time-stepping methods, one file each, on the same fabric, topology and forces.
 
 pub mod xpbd;
+
+use crate::Particles;
+use crate::cloth::Substep;
+use crate::constraint::Constraints;
+
+/// How a cloth is advanced in time.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
+#[cfg_attr(feature = "ecs", reflect(Default))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Explicit (forward) Euler: first order, gains energy at every step length.
+    ExplicitEuler,
+    /// Symplectic (semi-implicit) Euler: `v += h a(x)`, `x += h v`. Stable for `h < 2/ω`.
+    SymplecticEuler,
+    /// Störmer–Verlet in velocity form: second order, symplectic. Stable for `h < 2/ω`.
+    StormerVerlet,
+    /// The classical Runge–Kutta method of fourth order: four evaluations of the forces. Stable for `h < 2.83/ω`.
+    RungeKutta4,
+    /// Implicit (backward) Euler, Newton's method with a sparse factorisation in each iteration (Baraff & Witkin 1998).
+    ImplicitEuler,
+    /// Position-based dynamics (Müller et al. 2007): Verlet and projection, no compliance: stiffness depends on step and
+    /// iterations.
+    Pbd,
+    /// Small-steps XPBD (Macklin et al. 2019), constraints swept one after the other, in colours.
+    XpbdSweeps,
+    /// Small-steps XPBD, exact along the warp and weft lines of a grid.
+    #[default]
+    XpbdLines,
+    /// Projective dynamics (Bouaziz et al. 2014) with a prefactored sparse Cholesky.
+    ProjectiveDynamics,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Self; 9] = [
+        Self::ExplicitEuler,
+        Self::SymplecticEuler,
+        Self::StormerVerlet,
+        Self::RungeKutta4,
+        Self::ImplicitEuler,
+        Self::Pbd,
+        Self::XpbdSweeps,
+        Self::XpbdLines,
+        Self::ProjectiveDynamics,
+    ];
+
+    /// Its name in lower case with hyphens, as on a command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "explicit-euler",
+            Self::SymplecticEuler => "symplectic-euler",
+            Self::StormerVerlet => "stormer-verlet",
+            Self::RungeKutta4 => "rk4",
+            Self::ImplicitEuler => "implicit-euler",
+            Self::Pbd => "pbd",
+            Self::XpbdSweeps => "xpbd-sweeps",
+            Self::XpbdLines => "xpbd-lines",
+            Self::ProjectiveDynamics => "projective-dynamics",
+        }
+    }
+
+    /// Whether more than one iteration in a substep changes the result.
+    pub const fn iterates(self) -> bool {
+        matches!(self, Self::ImplicitEuler | Self::Pbd | Self::XpbdSweeps | Self::ProjectiveDynamics)
+    }
+}
+
+/// First half of a substep: predicts positions from velocities and forces, and moves pinned particles along their frames.
+pub fn integrate(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
+    xpbd::integrate(particles, constraints, sub);
+}
+
+/// Second half of a substep: the forces inside the cloth, and the velocities at its end.
+pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
+    xpbd::solve(particles, constraints, sub);
+}

@@ -1,0 +1,32 @@
+//! Why a command of the lab stopped.
+
+use std::path::PathBuf;
+
+/// Why a command of the lab stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum LabError {
+    /// A file could not be read or written.
+    #[error("{path}: {error}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A scene was refused.
+    #[error("{path}: {error}", path = path.display())]
+    Scene {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        error: cloth_scene::SceneError,
+    },
+    /// A plot could not be drawn.
+    #[error("{path}: cannot draw: {reason}", path = path.display())]
+    Plot {
+        /// The picture.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}

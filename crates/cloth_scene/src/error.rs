@@ -1,0 +1,47 @@
+//! What can be wrong with a scene file.
+
+use cloth_solver::ClothError;
+
+/// Why a scene was not accepted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// The text is not the RON of a scene.
+    #[error("line {line}, column {column}: {message}")]
+    Syntax {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What was expected or found.
+        message: String,
+    },
+    /// A name that is no fabric.
+    #[error("cloth {cloth}: there is no fabric `{name}`, allowed are: {allowed}")]
+    NoSuchFabric {
+        /// Which cloth of the scene, from 0.
+        cloth: usize,
+        /// The name found.
+        name: String,
+        /// The names allowed.
+        allowed: String,
+    },
+    /// A value of a cloth is out of range.
+    #[error("cloth {cloth}: {error}")]
+    Cloth {
+        /// Which cloth of the scene, from 0.
+        cloth: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
+    /// A value of a collider is out of range.
+    #[error("collider {collider}: {error}")]
+    Collider {
+        /// Which collider of the scene, from 0.
+        collider: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
+    /// A value of the scene itself is out of range.
+    #[error(transparent)]
+    World(#[from] ClothError),
+}

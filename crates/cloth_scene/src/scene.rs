@@ -1,0 +1,258 @@
+//! What a scene file says.
+
+use cloth_solver::forces::Air;
+use cloth_solver::method::Method;
+use cloth_solver::{ClothError, Fabric, Pose};
+use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::SceneError;
+
+/// A scene: cloths, colliders, gravity, wind, and how it is advanced. Every field may be left out.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// What it is called.
+    pub title: String,
+    /// What it shows, in a sentence.
+    pub about: String,
+    /// How long it is worth watching, s; 0.01..=3600. Default 5.
+    pub seconds: f32,
+    /// Gravity, m/s². Default (0, −9.81, 0).
+    pub gravity: Vec3,
+    /// The air around. Default none: no air acts.
+    pub air: Option<Air>,
+    /// Velocity of the air, m/s. Default 0.
+    pub wind: Vec3,
+    /// Length of a tick, as ticks per second, Hz; 1..=10000. Default 60.
+    pub rate: f32,
+    /// The method. Default [`Method::default`].
+    pub method: Method,
+    /// Substeps in a tick, 1..=10000. Default 10.
+    pub substeps: u32,
+    /// Iterations in a substep, 1..=1000; only of methods that iterate. Default 1.
+    pub iterations: u32,
+    /// The cloths.
+    pub cloths: Vec<SceneCloth>,
+    /// What they meet.
+    pub colliders: Vec<SceneCollider>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            about: String::new(),
+            seconds: 5.0,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            air: None,
+            wind: Vec3::ZERO,
+            rate: 60.0,
+            method: Method::default(),
+            substeps: 10,
+            iterations: 1,
+            cloths: Vec::new(),
+            colliders: Vec::new(),
+        }
+    }
+}
+
+/// A rectangle of fabric.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct SceneCloth {
+    /// What it is called.
+    pub name: String,
+    /// Width (weft, x) and height (warp, y), m. Default (1, 1).
+    pub size: Vec2,
+    /// Cells along width and height. Default (40, 40).
+    pub cells: UVec2,
+    /// What it is made of. Default cotton poplin.
+    pub fabric: SceneFabric,
+    /// Internal friction in place of the fabric's, 1/s.
+    pub damping: Option<f32>,
+    /// What holds it.
+    pub pins: Vec<ScenePins>,
+    /// Weights that hang on it.
+    pub weights: Vec<SceneWeight>,
+    /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z.
+    pub place: ScenePlace,
+}
+
+impl Default for SceneCloth {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            size: Vec2::ONE,
+            cells: UVec2::splat(40),
+            fabric: SceneFabric::default(),
+            damping: None,
+            pins: Vec::new(),
+            weights: Vec::new(),
+            place: ScenePlace::default(),
+        }
+    }
+}
+
+/// A fabric by name, or with all its values.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+pub enum SceneFabric {
+    /// The name of a preset, as in [`Fabric::PRESETS`], e.g. `"cotton poplin"`.
+    Preset(String),
+    /// Its values; those left out are cotton poplin's.
+    Custom(Fabric),
+}
+
+impl Default for SceneFabric {
+    fn default() -> Self {
+        Self::Preset("cotton poplin".into())
+    }
+}
+
+/// What holds a cloth.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+pub enum ScenePins {
+    /// The whole top edge.
+    Top,
+    /// The two ends of the top edge.
+    Corners,
+    /// Points spread evenly along the top edge.
+    Rods(u32),
+    /// The whole left edge, as a flag on its pole.
+    Left,
+}
+
+/// A weight on one particle.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct SceneWeight {
+    /// Where, as parts of width (from the left) and height (from the top): (1, 1) is the lower right corner.
+    pub at: Vec2,
+    /// How heavy, kg.
+    pub mass: f32,
+}
+
+/// Where something is.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct ScenePlace {
+    /// Translation, m.
+    pub at: Vec3,
+    /// Turns about x, then y, then z, degrees.
+    pub turn: Vec3,
+}
+
+impl ScenePlace {
+    /// The same as a pose.
+    pub fn pose(&self) -> Pose {
+        let turn = self.turn * (core::f32::consts::PI / 180.0);
+        Pose::new(self.at, Quat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x))
+    }
+}
+
+/// Something cloth cannot enter.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct SceneCollider {
+    /// What it is called.
+    #[serde(default)]
+    pub name: String,
+    /// Its form.
+    pub shape: SceneShape,
+    /// Where it is.
+    #[serde(default)]
+    pub place: ScenePlace,
+    /// Friction against cloth in place of the fabric's own.
+    #[serde(default)]
+    pub friction: Option<f32>,
+}
+
+/// The form of a collider.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+pub enum SceneShape {
+    /// A ball.
+    Sphere {
+        /// Radius, m.
+        radius: f32,
+    },
+    /// A cylinder along y with half a ball at each end.
+    Capsule {
+        /// Radius, m.
+        radius: f32,
+        /// Distance between the centres of the half-balls, m.
+        length: f32,
+    },
+    /// A box.
+    Cuboid {
+        /// Edge lengths, m.
+        size: Vec3,
+    },
+    /// A pyramid, apex up, its middle at half its height.
+    Pyramid {
+        /// Edge lengths of the base, m.
+        base: Vec2,
+        /// Height, m.
+        height: f32,
+    },
+    /// Everything below the xz plane.
+    Ground,
+}
+
+impl Scene {
+    /// Reads a scene from RON.
+    ///
+    /// # Errors
+    /// Where the text is not a scene, or what in it is out of range.
+    pub fn from_ron(text: &str) -> Result<Self, SceneError> {
+        let scene: Self = ron::Options::default()
+            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+            .from_str(text)
+            .map_err(|error| SceneError::Syntax {
+                line: error.span.start.line,
+                column: error.span.start.col,
+                message: error.code.to_string(),
+            })?;
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// The first that is out of range.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        ClothError::check("Scene::seconds", self.seconds, 0.01..=3600.0, "0.01..=3600 s")?;
+        ClothError::check("Scene::rate", self.rate, 1.0..=1e4, "1..=10,000 Hz")?;
+        ClothError::check("Scene::substeps", self.substeps as f32, 1.0..=1e4, "1..=10,000")?;
+        ClothError::check("Scene::iterations", self.iterations as f32, 1.0..=1e3, "1..=1,000")?;
+        for axis in self.gravity.to_array() {
+            ClothError::check("Scene::gravity", axis, -1e4..=1e4, "-10,000..=10,000 m/s² on each axis")?;
+        }
+        for axis in self.wind.to_array() {
+            ClothError::check("Scene::wind", axis, -1e6..=1e6, "-1,000,000..=1,000,000 m/s on each axis")?;
+        }
+        if let Some(air) = &self.air {
+            air.validate()?;
+        }
+        // What a cloth or a collider is made of is checked by building it.
+        crate::World::new(self).map(drop)
+    }
+}
+
+impl SceneCloth {
+    /// The fabric, with the damping of this cloth.
+    ///
+    /// # Errors
+    /// The name, if there is no such preset.
+    pub fn fabric(&self) -> Result<Fabric, String> {
+        let fabric = match &self.fabric {
+            SceneFabric::Preset(name) => Fabric::PRESETS
+                .iter()
+                .find(|(preset, _)| preset.eq_ignore_ascii_case(name))
+                .map(|(_, fabric)| *fabric)
+                .ok_or_else(|| name.clone())?,
+            SceneFabric::Custom(fabric) => *fabric,
+        };
+        Ok(Fabric { damping: self.damping.unwrap_or(fabric.damping), ..fabric })
+    }
+}

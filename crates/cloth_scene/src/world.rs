@@ -1,0 +1,125 @@
+//! A scene, played without an engine.
+
+use std::sync::Arc;
+
+use cloth_solver::constraint::{Pin, Pins};
+use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::topology::Resolution;
+use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology};
+use glam::Vec3;
+
+use crate::scene::{SceneCloth, SceneCollider, ScenePins, SceneShape};
+use crate::{Scene, SceneError};
+
+/// The cloths of a scene, each in its own frame (the scene's [`place`](SceneCloth::place)).
+#[derive(Clone, Debug)]
+pub struct World {
+    /// What it was built from. Air, wind, gravity, rate, substeps and iterations may be changed while it runs.
+    pub scene: Scene,
+    /// The cloths.
+    pub cloths: Vec<Cloth>,
+    /// Their frames.
+    pub frames: Vec<Pose>,
+}
+
+impl World {
+    /// The scene at rest.
+    ///
+    /// # Errors
+    /// What in the scene is out of range.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let frames: Vec<Pose> = scene.cloths.iter().map(|cloth| cloth.place.pose()).collect();
+        let mut cloths = Vec::with_capacity(scene.cloths.len());
+        for (index, (spec, frame)) in scene.cloths.iter().zip(&frames).enumerate() {
+            cloths.push(build(index, spec, frame, scene)?);
+        }
+        Ok(Self { scene: scene.clone(), cloths, frames })
+    }
+
+    /// Advances by one tick of `1/rate` seconds.
+    pub fn tick(&mut self) {
+        let scene = &self.scene;
+        let tick = Tick { dt: 1.0 / scene.rate, substeps: scene.substeps, iterations: scene.iterations };
+        for (cloth, frame) in self.cloths.iter_mut().zip(&self.frames) {
+            let turn = frame.rotation.conjugate();
+            if let Some(force) = &mut cloth.particles.force {
+                force.fill(Vec3::ZERO);
+            }
+            if let Some(air) = &scene.air {
+                let wind = turn * scene.wind;
+                air.blow(&cloth.topology, &mut cloth.particles, tick.dt, |_| wind);
+            }
+            cloth.step(tick, turn * scene.gravity);
+        }
+    }
+
+    /// Number of ticks in the scene's [`seconds`](Scene::seconds), at least 1.
+    pub fn ticks(&self) -> u32 {
+        (self.scene.seconds * self.scene.rate).round().max(1.0) as u32
+    }
+}
+
+fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result<Cloth, SceneError> {
+    let of_cloth = |error| SceneError::Cloth { cloth: index, error };
+    let fabric = spec.fabric().map_err(|name| SceneError::NoSuchFabric {
+        cloth: index,
+        name,
+        allowed: Fabric::PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+    })?;
+    let topology = Topology::rectangle(spec.size, Resolution::Cells(spec.cells)).map_err(of_cloth)?;
+    let mut cloth = Cloth::new(Arc::new(topology), &fabric).map_err(of_cloth)?;
+    cloth.set_method(scene.method);
+    for weight in &spec.weights {
+        let slot = particle_at(&cloth.topology, weight.at.x, weight.at.y).map_err(of_cloth)?;
+        cloth.particles.add_mass(slot as usize, weight.mass).map_err(of_cloth)?;
+    }
+    let pins = pins(&cloth.topology, &spec.pins);
+    cloth.constraints.set_pins(&mut cloth.particles, pins).map_err(of_cloth)?;
+    for (number, collider) in scene.colliders.iter().enumerate() {
+        let error = |error| SceneError::Collider { collider: number, error };
+        cloth.contacts.colliders.push(solid(collider, frame, &fabric).map_err(error)?);
+    }
+    Ok(cloth)
+}
+
+fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> Result<Collider, ClothError> {
+    let shape = match collider.shape {
+        SceneShape::Sphere { radius } => Shape::sphere(radius)?,
+        SceneShape::Capsule { radius, length } => Shape::capsule(radius, length)?,
+        SceneShape::Cuboid { size } => Shape::cuboid(size)?,
+        SceneShape::Pyramid { base, height } => Shape::pyramid(base, height)?,
+        SceneShape::Ground => Shape::HalfSpace,
+    };
+    let friction = collider.friction.unwrap_or(fabric.friction);
+    ClothError::check("SceneCollider::friction", friction, 0.0..=10.0, "0..=10")?;
+    Ok(Collider { shape, motion: Motion::at_rest(frame.inverse_pose(&collider.place.pose())), friction })
+}
+
+/// The particle at parts of width (from the left) and height (from the top) of a rectangle.
+fn particle_at(topology: &Topology, across: f32, down: f32) -> Result<u32, ClothError> {
+    ClothError::check("SceneWeight::at", across, 0.0..=1.0, "0..=1, parts of the width")?;
+    ClothError::check("SceneWeight::at", down, 0.0..=1.0, "0..=1, parts of the height")?;
+    let grid = topology.grid.unwrap_or(cloth_solver::Grid { columns: 1, rows: 1, stride: 8, spacing: glam::Vec2::ONE });
+    let nearest = |part: f32, count: u32| (part * (count - 1) as f32).round() as u32;
+    Ok(grid.slot(nearest(down, grid.rows), nearest(across, grid.columns)))
+}
+
+fn pins(topology: &Topology, groups: &[ScenePins]) -> Pins {
+    let Some(grid) = topology.grid else { return Pins::default() };
+    let mut slots: Vec<u32> = Vec::new();
+    for group in groups {
+        match *group {
+            ScenePins::Top => slots.extend((0..grid.columns).map(|column| grid.slot(0, column))),
+            ScenePins::Corners => slots.extend([grid.slot(0, 0), grid.slot(0, grid.columns - 1)]),
+            ScenePins::Rods(rods) => slots.extend((0..rods).map(|rod| {
+                let part = if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
+                grid.slot(0, (part * (grid.columns - 1) as f32).round() as u32)
+            })),
+            ScenePins::Left => slots.extend((0..grid.rows).map(|row| grid.slot(row, 0))),
+        }
+    }
+    slots.sort_unstable();
+    slots.dedup();
+    let pin = |particle: u32| Pin { particle, frame: 0, local: topology.rest[particle as usize] };
+    Pins { frames: vec![Motion::default()], pins: slots.into_iter().map(pin).collect() }
+}

@@ -1,0 +1,5 @@
+//! Forces from outside, one file each.
+
+mod air;
+
+pub use air::Air;

@@ -8,7 +8,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 
-/// A scene: cloths, colliders, gravity, wind, and how it is advanced. Every field may be left out.
+/// A scene: cloths, colliders, gravity, wind, and how it is advanced. Every field may be left out, none may be unknown.
+///
+/// Units are SI, y is up. `Some(…)` may be left out around the value of an optional field.
+///
+/// ```
+/// let scene = cloth_scene::Scene::from_ron(
+///     r#"(
+///         title: "A towel in the wind",
+///         seconds: 4,
+///         wind: (3, 0, 1),
+///         air: (),                                    // dry air at sea level; left out, no air acts
+///         cloths: [(
+///             size: (0.5, 1), cells: (10, 20),
+///             fabric: Preset("terry towel"),
+///             pins: [Corners],
+///             weights: [(at: (1, 1), mass: 0.05)],    // 50 g on the lower right corner
+///             place: (at: (0, 1.6, 0), turn: (0, 30, 0)),
+///         )],
+///         colliders: [(name: "post", shape: Capsule(radius: 0.05, length: 2), place: (at: (0.6, 1, 0)))],
+///     )"#,
+/// )?;
+/// assert_eq!(scene.cloths[0].fabric().unwrap().areal_density, 0.45);
+/// assert_eq!(scene.substeps, 10);
+/// # Ok::<(), cloth_scene::SceneError>(())
+/// ```
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
@@ -69,7 +93,7 @@ pub struct SceneCloth {
     pub cells: UVec2,
     /// What it is made of. Default cotton poplin.
     pub fabric: SceneFabric,
-    /// Internal friction in place of the fabric's, 1/s.
+    /// Internal friction in place of the fabric's, 1/s; 0..=1000. Default none: the fabric's own.
     pub damping: Option<f32>,
     /// What holds it.
     pub pins: Vec<ScenePins>,
@@ -97,7 +121,7 @@ impl Default for SceneCloth {
 /// A fabric by name, or with all its values.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 pub enum SceneFabric {
-    /// The name of a preset, as in [`Fabric::PRESETS`], e.g. `"cotton poplin"`.
+    /// The name of a preset, as in [`Fabric::PRESETS`], in any case, e.g. `Preset("cotton poplin")`.
     Preset(String),
     /// Its values; those left out are cotton poplin's.
     Custom(Fabric),
@@ -116,7 +140,7 @@ pub enum ScenePins {
     Top,
     /// The two ends of the top edge.
     Corners,
-    /// Points spread evenly along the top edge.
+    /// This many points spread evenly along the top edge, both ends included, 0..=100,000. One holds the middle.
     Rods(u32),
     /// The whole left edge, as a flag on its pole.
     Left,
@@ -128,7 +152,7 @@ pub enum ScenePins {
 pub struct SceneWeight {
     /// Where, as parts of width (from the left) and height (from the top): (1, 1) is the lower right corner.
     pub at: Vec2,
-    /// How heavy, kg.
+    /// How heavy, kg; 0..=1e6. It comes on top of the fabric's own mass.
     pub mass: f32,
 }
 
@@ -136,9 +160,9 @@ pub struct SceneWeight {
 #[derive(Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct ScenePlace {
-    /// Translation, m.
+    /// Translation, m; −1e6..=1e6 on each axis.
     pub at: Vec3,
-    /// Turns about x, then y, then z, degrees.
+    /// Turns about x, then y, then z, degrees; −1e6..=1e6.
     pub turn: Vec3,
 }
 
@@ -147,6 +171,12 @@ impl ScenePlace {
     pub fn pose(&self) -> Pose {
         let turn = self.turn * (core::f32::consts::PI / 180.0);
         Pose::new(self.at, Quat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x))
+    }
+
+    fn validate(&self, field: &'static str) -> Result<(), ClothError> {
+        self.at.to_array().into_iter().chain(self.turn.to_array()).try_for_each(|number| {
+            ClothError::check(field, number, -1e6..=1e6, "-1,000,000..=1,000,000 m or degrees on each axis")
+        })
     }
 }
 
@@ -162,13 +192,14 @@ pub struct SceneCollider {
     /// Where it is.
     #[serde(default)]
     pub place: ScenePlace,
-    /// Friction against cloth in place of the fabric's own.
+    /// Coulomb friction against cloth in place of the fabric's own, dimensionless, 0..=10.
     #[serde(default)]
     pub friction: Option<f32>,
 }
 
 /// The form of a collider.
 #[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
 pub enum SceneShape {
     /// A ball.
     Sphere {
@@ -234,8 +265,25 @@ impl Scene {
         if let Some(air) = &self.air {
             air.validate()?;
         }
-        // What a cloth or a collider is made of is checked by building it.
+        for (cloth, spec) in self.cloths.iter().enumerate() {
+            spec.place.validate("SceneCloth::place").map_err(|error| SceneError::Cloth { cloth, error })?;
+        }
+        for (collider, spec) in self.colliders.iter().enumerate() {
+            let of_collider = |error| SceneError::Collider { collider, error };
+            spec.place.validate("SceneCollider::place").map_err(of_collider)?;
+            // Seen from no cloth in particular: a scene may have none.
+            crate::world::solid(spec, &Pose::IDENTITY, &Fabric::default()).map_err(of_collider)?;
+        }
+        // What a cloth is made of is checked by building it.
         crate::World::new(self).map(drop)
+    }
+}
+
+impl SceneWeight {
+    /// Row (from the top) and column (from the left) of the particle it hangs on, among `cells` of the cloth.
+    pub fn row_and_column(&self, cells: UVec2) -> UVec2 {
+        let nearest = (self.at.clamp(Vec2::ZERO, Vec2::ONE) * cells.as_vec2()).round().as_uvec2();
+        UVec2::new(nearest.y, nearest.x)
     }
 }
 

@@ -6,9 +6,9 @@ use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
 use cloth_solver::topology::Resolution;
 use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology};
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
-use crate::scene::{SceneCloth, SceneCollider, ScenePins, SceneShape};
+use crate::scene::{SceneCloth, SceneCollider, ScenePins, SceneShape, SceneWeight};
 use crate::{Scene, SceneError};
 
 /// The cloths of a scene, each in its own frame (the scene's [`place`](SceneCloth::place)).
@@ -70,10 +70,9 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
     let mut cloth = Cloth::new(Arc::new(topology), &fabric).map_err(of_cloth)?;
     cloth.set_method(scene.method);
     for weight in &spec.weights {
-        let slot = particle_at(&cloth.topology, weight.at.x, weight.at.y).map_err(of_cloth)?;
-        cloth.particles.add_mass(slot as usize, weight.mass).map_err(of_cloth)?;
+        hang(&mut cloth, weight, spec.cells).map_err(of_cloth)?;
     }
-    let pins = pins(&cloth.topology, &spec.pins);
+    let pins = pins(&cloth.topology, &spec.pins).map_err(of_cloth)?;
     cloth.constraints.set_pins(&mut cloth.particles, pins).map_err(of_cloth)?;
     for (number, collider) in scene.colliders.iter().enumerate() {
         let error = |error| SceneError::Collider { collider: number, error };
@@ -82,7 +81,8 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
     Ok(cloth)
 }
 
-fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> Result<Collider, ClothError> {
+/// A collider in the frame of a cloth of `fabric`.
+pub(crate) fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> Result<Collider, ClothError> {
     let shape = match collider.shape {
         SceneShape::Sphere { radius } => Shape::sphere(radius)?,
         SceneShape::Capsule { radius, length } => Shape::capsule(radius, length)?,
@@ -95,31 +95,35 @@ fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> Result<Coll
     Ok(Collider { shape, motion: Motion::at_rest(frame.inverse_pose(&collider.place.pose())), friction })
 }
 
-/// The particle at parts of width (from the left) and height (from the top) of a rectangle.
-fn particle_at(topology: &Topology, across: f32, down: f32) -> Result<u32, ClothError> {
-    ClothError::check("SceneWeight::at", across, 0.0..=1.0, "0..=1, parts of the width")?;
-    ClothError::check("SceneWeight::at", down, 0.0..=1.0, "0..=1, parts of the height")?;
-    let grid = topology.grid.unwrap_or(cloth_solver::Grid { columns: 1, rows: 1, stride: 8, spacing: glam::Vec2::ONE });
-    let nearest = |part: f32, count: u32| (part * (count - 1) as f32).round() as u32;
-    Ok(grid.slot(nearest(down, grid.rows), nearest(across, grid.columns)))
+/// Hangs a weight on a rectangle of `cells`.
+fn hang(cloth: &mut Cloth, weight: &SceneWeight, cells: UVec2) -> Result<(), ClothError> {
+    ClothError::check("SceneWeight::at.x", weight.at.x, 0.0..=1.0, "0..=1, parts of the width from the left")?;
+    ClothError::check("SceneWeight::at.y", weight.at.y, 0.0..=1.0, "0..=1, parts of the height from the top")?;
+    ClothError::check("SceneWeight::mass", weight.mass, 0.0..=1e6, "0..=1,000,000 kg")?;
+    let Some(grid) = cloth.topology.grid else { return Ok(()) };
+    let place = weight.row_and_column(cells);
+    cloth.particles.add_mass(grid.slot(place.x, place.y) as usize, weight.mass)
 }
 
-fn pins(topology: &Topology, groups: &[ScenePins]) -> Pins {
-    let Some(grid) = topology.grid else { return Pins::default() };
+fn pins(topology: &Topology, groups: &[ScenePins]) -> Result<Pins, ClothError> {
+    let Some(grid) = topology.grid else { return Ok(Pins::default()) };
     let mut slots: Vec<u32> = Vec::new();
     for group in groups {
         match *group {
             ScenePins::Top => slots.extend((0..grid.columns).map(|column| grid.slot(0, column))),
             ScenePins::Corners => slots.extend([grid.slot(0, 0), grid.slot(0, grid.columns - 1)]),
-            ScenePins::Rods(rods) => slots.extend((0..rods).map(|rod| {
-                let part = if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
-                grid.slot(0, (part * (grid.columns - 1) as f32).round() as u32)
-            })),
+            ScenePins::Rods(rods) => {
+                ClothError::check("ScenePins::Rods", rods as f32, 0.0..=1e5, "0..=100,000")?;
+                slots.extend((0..rods).map(|rod| {
+                    let part = if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
+                    grid.slot(0, (part * (grid.columns - 1) as f32).round() as u32)
+                }));
+            }
             ScenePins::Left => slots.extend((0..grid.rows).map(|row| grid.slot(row, 0))),
         }
     }
     slots.sort_unstable();
     slots.dedup();
     let pin = |particle: u32| Pin { particle, frame: 0, local: topology.rest[particle as usize] };
-    Pins { frames: vec![Motion::default()], pins: slots.into_iter().map(pin).collect() }
+    Ok(Pins { frames: vec![Motion::default()], pins: slots.into_iter().map(pin).collect() })
 }

@@ -1,0 +1,163 @@
+//! What scene files say is what is built, and what is wrong in them is told by place, field, value and range.
+
+use std::path::PathBuf;
+
+use cloth_scene::{Scene, SceneError, World};
+use cloth_solver::{Fabric, Method, measure};
+use glam::{UVec2, Vec2, Vec3};
+
+fn refused(text: &str) -> String {
+    Scene::from_ron(text).expect_err(text).to_string()
+}
+
+fn scene(text: &str) -> Scene {
+    Scene::from_ron(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+#[test]
+fn an_empty_scene_is_the_default_one() {
+    assert_eq!(scene("()"), Scene::default());
+    assert_eq!(World::new(&Scene::default()).unwrap().ticks(), 300);
+}
+
+#[test]
+fn a_scene_written_out_reads_back_the_same() {
+    let scene = scene(
+        r#"(title: "t", about: "a", seconds: 2, gravity: (0, -1.6, 0), air: (density: 2), wind: (1, 2, 3), rate: 90,
+            method: XpbdSweeps, substeps: 4, iterations: 7,
+            cloths: [(name: "c", size: (2, 1), cells: (4, 3), fabric: Custom((areal_density: 0.3)), damping: 0.25,
+                      pins: [Top, Corners, Rods(3), Left], weights: [(at: (0.5, 1), mass: 0.01)],
+                      place: (at: (1, 2, 3), turn: (10, 20, 30)))],
+            colliders: [(shape: Sphere(radius: 1), place: (at: (9, 0, 0))), (shape: Capsule(radius: 1, length: 2)),
+                        (shape: Cuboid(size: (1, 2, 3))), (shape: Pyramid(base: (1, 2), height: 3), friction: 0.1),
+                        (name: "floor", shape: Ground)])"#,
+    );
+    assert_eq!(scene.method, Method::XpbdSweeps);
+    let written = ron::to_string(&scene).unwrap();
+    assert_eq!(self::scene(&written), scene);
+}
+
+#[test]
+fn a_preset_is_found_by_its_name_in_any_case() {
+    for (name, fabric) in Fabric::PRESETS {
+        for name in [name.to_lowercase(), name.to_uppercase()] {
+            let scene = scene(&format!("(cloths: [(cells: (2, 2), fabric: Preset({name:?}))])"));
+            assert_eq!(scene.cloths[0].fabric(), Ok(*fabric));
+        }
+    }
+}
+
+#[test]
+fn a_name_that_is_no_fabric_is_refused_with_those_that_are() {
+    let error = refused(r#"(cloths: [(), (fabric: Preset("chain mail"))])"#);
+    assert!(error.starts_with("cloth 1: there is no fabric `chain mail`"), "{error}");
+    assert!(Fabric::PRESETS.iter().all(|(name, _)| error.contains(name)), "{error}");
+}
+
+#[test]
+fn what_is_no_scene_is_refused_by_line_and_column() {
+    for (text, line, column, reason) in [
+        ("(\n  seconds: 5,\n  wnid: (1, 0, 0),\n)", 3, 3, "wnid"),
+        ("(\n  seconds: ,\n)", 2, 12, ""),
+        ("(cloths: [(\n pins: [Botom])])", 2, 9, "Botom"),
+        ("(\n substeps: -1)", 2, 12, ""),
+        ("(colliders: [(\n shape: Sphere(radius: 1, colour: 2))])", 2, 27, "colour"),
+        ("", 1, 1, ""),
+    ] {
+        match Scene::from_ron(text) {
+            Err(SceneError::Syntax { line: l, column: c, message }) => {
+                assert_eq!(l, line, "{text}: {message}");
+                assert!(c.abs_diff(column) <= 8, "{text}: column {c}, {message}");
+                assert!(message.contains(reason), "{message}");
+            }
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_range_is_refused_by_cloth_field_value_and_range() {
+    let fine = "size: (1, 1), cells: (2, 2)";
+    for (text, expected) in [
+        ("(seconds: 0)".to_string(), "`Scene::seconds` is 0, allowed is 0.01..=3600 s"),
+        ("(seconds: NaN)".into(), "`Scene::seconds` is NaN"),
+        ("(substeps: 0)".into(), "`Scene::substeps` is 0, allowed is 1..=10,000"),
+        ("(gravity: (0, inf, 0))".into(), "`Scene::gravity` is inf"),
+        ("(air: (porosity: 2))".into(), "`Air::porosity` is 2, allowed is 0..=1"),
+        (format!("(cloths: [({fine}), (size: (1, -1))])"), "cloth 1: `Cloth::size.y` is -1"),
+        (format!("(cloths: [({fine}, damping: -2)])"), "cloth 0: `Fabric::damping` is -2, allowed is 0..=1000 1/s"),
+        (format!("(cloths: [({fine}, fabric: Custom((shear: -1)))])"), "cloth 0: `Fabric::shear` is -1"),
+        (format!("(cloths: [({fine}, weights: [(at: (2, 0), mass: 1)])])"), "cloth 0: `SceneWeight::at.x` is 2"),
+        (format!("(cloths: [({fine}, weights: [(at: (1, 0), mass: -1)])])"), "cloth 0: `SceneWeight::mass` is -1"),
+        (format!("(cloths: [({fine}, pins: [Rods(4000000000)])])"), "cloth 0: `ScenePins::Rods` is 4000000000"),
+        (format!("(cloths: [({fine}, place: (at: (0, NaN, 0)))])"), "cloth 0: `SceneCloth::place` is NaN"),
+        (format!("(cloths: [({fine})], colliders: [(shape: Ground), (shape: Sphere(radius: 0))])"), "collider 1: "),
+        (
+            format!("(cloths: [({fine})], colliders: [(shape: Ground, friction: -1)])"),
+            "`SceneCollider::friction` is -1",
+        ),
+        ("(colliders: [(shape: Ground, place: (turn: (inf, 0, 0)))])".into(), "collider 0: `SceneCollider::place`"),
+        ("(colliders: [(shape: Cuboid(size: (1, 0, 1)))])".into(), "collider 0: "),
+    ] {
+        let error = refused(&text);
+        assert!(error.contains(expected), "{text}\n gave     {error}\n expected {expected}");
+    }
+}
+
+#[test]
+fn pins_and_weights_land_on_the_particles_they_name() {
+    let scene = scene("(cloths: [(size: (2, 1), cells: (8, 4), pins: [Rods(3)], weights: [(at: (1, 0.5), mass: 2)])])");
+    let world = World::new(&scene).unwrap();
+    let cloth = &world.cloths[0];
+    let grid = cloth.topology.grid.unwrap();
+    let pinned: Vec<u32> = cloth.constraints.pins().pins.iter().map(|pin| pin.particle).collect();
+    assert_eq!(pinned, [grid.slot(0, 0), grid.slot(0, 4), grid.slot(0, 8)]);
+    let own = 0.15 * cloth.topology.area[grid.slot(2, 8) as usize];
+    assert_eq!(cloth.particles.mass[grid.slot(2, 8) as usize], own + 2.0);
+    assert_eq!(scene.cloths[0].weights[0].row_and_column(UVec2::new(8, 4)), UVec2::new(2, 8));
+    assert_eq!(Vec2::from(scene.cloths[0].size), Vec2::new(2.0, 1.0));
+}
+
+#[test]
+fn a_cloth_falls_along_the_scenes_gravity_however_it_is_turned() {
+    let scene = scene("(gravity: (0, 0, -10), cloths: [(cells: (2, 2), place: (at: (1, 2, 3), turn: (30, 40, 50)))])");
+    let mut world = World::new(&scene).unwrap();
+    for _ in 0..60 {
+        world.tick();
+    }
+    let centre = measure::centre_of_mass(&world.cloths[0].particles).as_vec3();
+    let fallen = world.frames[0].point(centre) - Vec3::new(1.0, 2.0, 3.0);
+    assert!((fallen - Vec3::new(0.0, 0.0, -5.0)).length() < 0.05, "{fallen}");
+}
+
+#[test]
+fn wind_takes_a_cloth_along_only_where_there_is_air() {
+    let moved = |air: &str| {
+        let text = format!(
+            "(gravity: (0, 0, 0), wind: (0, 0, 4), {air} cloths: [(cells: (4, 4), place: (turn: (0, 180, 0)))])"
+        );
+        let mut world = World::new(&scene(&text)).unwrap();
+        for _ in 0..60 {
+            world.tick();
+        }
+        world.frames[0].point(measure::centre_of_mass(&world.cloths[0].particles).as_vec3()).z
+    };
+    assert_eq!(moved(""), 0.0);
+    assert!(moved("air: (),") > 1.0);
+}
+
+#[test]
+fn every_scene_of_the_game_builds_and_says_what_it_shows() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+    let files: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(files.len() >= 8, "{files:?}");
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let scene = Scene::from_ron(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert!(!scene.title.is_empty() && !scene.about.is_empty(), "{}", file.display());
+        assert!(!scene.cloths.is_empty(), "{}", file.display());
+        let mut world = World::new(&scene).unwrap();
+        world.tick();
+        assert!(world.cloths.iter().all(|cloth| cloth.particles.is_finite()), "{}", file.display());
+    }
+}

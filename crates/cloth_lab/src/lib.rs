@@ -6,6 +6,9 @@ pub mod advise;
 pub mod chart;
 pub mod compare;
 mod error;
+pub mod plot;
+pub mod progress;
+pub mod report;
 pub mod stability;
 pub mod validate;
 

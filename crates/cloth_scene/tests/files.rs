@@ -115,7 +115,7 @@ fn pins_and_weights_land_on_the_particles_they_name() {
     let own = 0.15 * cloth.topology.area[grid.slot(2, 8) as usize];
     assert_eq!(cloth.particles.mass[grid.slot(2, 8) as usize], own + 2.0);
     assert_eq!(scene.cloths[0].weights[0].row_and_column(UVec2::new(8, 4)), UVec2::new(2, 8));
-    assert_eq!(Vec2::from(scene.cloths[0].size), Vec2::new(2.0, 1.0));
+    assert_eq!(scene.cloths[0].size, Vec2::new(2.0, 1.0));
 }
 
 #[test]

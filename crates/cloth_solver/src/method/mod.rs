@@ -2,6 +2,9 @@
 
 pub mod xpbd;
 
+#[cfg(feature = "ecs")]
+use bevy_reflect::prelude::ReflectDefault;
+
 use crate::Particles;
 use crate::cloth::Substep;
 use crate::constraint::Constraints;

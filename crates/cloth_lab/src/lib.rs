@@ -8,6 +8,7 @@ pub mod compare;
 mod error;
 pub mod plot;
 pub mod progress;
+pub mod reference;
 pub mod report;
 pub mod stability;
 pub mod validate;

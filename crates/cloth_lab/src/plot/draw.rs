@@ -151,8 +151,8 @@ where
     for cell in &panel.cells {
         let (a, b) = (at(cell.x.0, cell.y.0), at(cell.x.1, cell.y.1));
         if let Some(class) = classes.get(cell.class) {
-            canvas.draw(&Rectangle::new([a, b], fill(class))).map_err(told)?;
-            canvas.draw(&Rectangle::new([a, b], WHITE.stroke_width(1))).map_err(told)?;
+            // A pixel short, so that cells stand apart.
+            canvas.draw(&Rectangle::new([a, (b.0 - 1, b.1 + 1)], fill(class))).map_err(told)?;
             if class.crossed {
                 let middle = ((a.0 + b.0) / 2, (a.1 + b.1) / 2);
                 canvas.draw(&Cross::new(middle, 2, WHITE.stroke_width(1))).map_err(told)?;
@@ -246,7 +246,7 @@ fn legend<DB: DrawingBackend>(area: &Area<DB>, keys: &[&Series], classes: &[Clas
         if class.crossed {
             area.draw(&Cross::new((17, y), 2, WHITE.stroke_width(1))).map_err(told)?;
         }
-        area.draw(&Text::new(class.label.clone(), (34, y - 7), font.clone())).map_err(told)?;
+        area.draw(&Text::new(class.label.clone(), (34, y - 6), font.clone())).map_err(told)?;
         y += LINE;
     }
     for key in keys {
@@ -256,7 +256,7 @@ fn legend<DB: DrawingBackend>(area: &Area<DB>, keys: &[&Series], classes: &[Clas
         if matches!(key.stroke, Stroke::Marked | Stroke::Points) {
             marker(area, key.look, (17, y))?;
         }
-        area.draw(&Text::new(key.label.clone(), (34, y - 7), font.clone())).map_err(told)?;
+        area.draw(&Text::new(key.label.clone(), (34, y - 6), font.clone())).map_err(told)?;
         y += LINE;
     }
     Ok(())

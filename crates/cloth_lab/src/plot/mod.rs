@@ -1,6 +1,7 @@
 //! Charts and maps, each written as SVG and as PNG.
 
 mod draw;
+mod png;
 
 use std::path::Path;
 use std::sync::Once;
@@ -176,8 +177,7 @@ impl Figure {
         let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
         draw::figure(&SVGBackend::new(&svg, self.size).into_drawing_area(), self)
             .map_err(|reason| LabError::Plot { path: svg.clone(), reason })?;
-        draw::figure(&BitMapBackend::new(&png, self.size).into_drawing_area(), self)
-            .map_err(|reason| LabError::Plot { path: png.clone(), reason })
+        png::write(&png, self).map_err(|reason| LabError::Plot { path: png, reason })
     }
 }
 

@@ -93,9 +93,13 @@ impl Soa3 {
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
-    /// Where each particle is, m.
+    /// Where each particle is, m; within a substep where it was at its start.
     pub position: Soa3,
-    /// Where each particle was at the start of the current substep, m.
+    /// How far each particle moves in the substep at hand, m: predicted by the first half of the substep, corrected by the
+    /// second, which then adds it to [`Particles::position`] and takes the velocity from it. Kept apart, so that the
+    /// velocity has the precision of a small number and not that of the difference of two large ones.
+    pub moved: Soa3,
+    /// Where each particle was at the start of the last finished substep, m.
     pub previous: Soa3,
     /// Velocity, m/s.
     pub velocity: Soa3,
@@ -120,6 +124,7 @@ impl Particles {
         let mass: Vec<f32> = topology.area.iter().map(|a| a * areal_density).collect();
         Self {
             position: Soa3::from_slice(&topology.rest),
+            moved: Soa3::zeros(topology.rest.len()),
             previous: Soa3::from_slice(&topology.rest),
             velocity: Soa3::zeros(topology.rest.len()),
             inverse_mass: mass.iter().map(|m| if *m > 0.0 { 1.0 / m } else { 0.0 }).collect(),

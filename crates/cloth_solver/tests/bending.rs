@@ -30,10 +30,7 @@ fn clamp(mut cloth: Cloth, spacing: f32) -> Cloth {
 
 /// Drop over reach of the free end after it has come to rest.
 fn droop(cloth: &mut Cloth, spacing: f32) -> f32 {
-    // A minute, so that the swing of the limpest has died away.
-    for _ in 0..3600 {
-        cloth.step(TICK, GRAVITY);
-    }
+    settle(cloth, 20.0);
     let end = |p: &u32| cloth.topology.rest[*p as usize].x > 0.5 * LENGTH - 0.25 * spacing;
     let tips: Vec<Vec3> =
         cloth.topology.particles().filter(end).map(|p| cloth.particles.position.get(p as usize)).collect();

@@ -44,8 +44,8 @@ pub(crate) struct Cells<'a> {
 impl Cells<'_> {
     /// Solves all cells once.
     #[inline(always)]
-    pub fn solve<S: Simd>(self, simd: S, position: &mut Soa3) {
-        self.each_eight(|at| self.solve_eight(simd, position, at));
+    pub fn solve<S: Simd>(self, simd: S, position: &Soa3, moved: &mut Soa3) {
+        self.each_eight(|at| self.solve_eight(simd, position, moved, at));
     }
 
     /// Calls `act` for every second cell of sixteen with the slot of the first of them, colour by colour.
@@ -64,20 +64,22 @@ impl Cells<'_> {
     }
 
     #[inline(always)]
-    fn solve_eight<S: Simd>(self, simd: S, position: &mut Soa3, at: usize) {
+    fn solve_eight<S: Simd>(self, simd: S, position: &Soa3, moved: &mut Soa3, at: usize) {
         let w = self.weights(simd, at);
-        let mut cell = Corners::load(simd, position, at, self.grid);
+        let mut cell = Corners::load(simd, moved, at, self.grid);
         // Both from the same positions: one acts in the plane, the other across it.
-        let still = cell;
+        let start = Corners::load(simd, position, at, self.grid).diagonals();
+        let still = start + cell.diagonals();
         if let Some(compliance) = self.model.twist {
             cell.untwist(simd, still, &w, compliance);
         }
         if let Some(compliance) = self.model.shear {
-            let gradient = ShearGradient::new(simd, still, self.grid);
-            let lambda = gradient.value * w.on * gradient.scale(simd, &w, compliance);
+            let now = ShearGradient::new(simd, still, self.grid);
+            let gradient = ShearGradient::new(simd, start, self.grid).unless_turned(simd, now);
+            let lambda = now.value * w.on * gradient.scale(simd, &w, compliance);
             cell.push(&gradient, lambda, &w);
         }
-        cell.store(position, at, self.grid);
+        cell.store(moved, at, self.grid);
     }
 
     #[inline(always)]
@@ -86,6 +88,22 @@ impl Cells<'_> {
         let (w00, w10) = load_pair(simd, self.inverse_mass, at);
         let (w01, w11) = load_pair(simd, self.inverse_mass, at + self.grid.stride as usize);
         Weights { on, w00, w10, w01, w11 }
+    }
+}
+
+/// What matters of the corners' positions: both diagonals, p11 − p00 and p10 − p01, and p00 + p11 − p10 − p01.
+#[derive(Clone, Copy)]
+struct Diagonals<S: Simd> {
+    e: Vec3x8<S>,
+    f: Vec3x8<S>,
+    twist: Vec3x8<S>,
+}
+
+impl<S: Simd> core::ops::Add for Diagonals<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self { e: self.e + b.e, f: self.f + b.f, twist: self.twist + b.twist }
     }
 }
 
@@ -109,13 +127,29 @@ struct ShearGradient<S: Simd> {
 
 impl<S: Simd> ShearGradient<S> {
     #[inline(always)]
-    fn new(simd: S, cell: Corners<S>, grid: &Grid) -> Self {
-        // With the diagonals e = p11 − p00 and f = p10 − p01: 2a u = e + f, 2b v = e − f.
-        let (e, f) = (cell.p11 - cell.p00, cell.p10 - cell.p01);
+    fn new(simd: S, cell: Diagonals<S>, grid: &Grid) -> Self {
+        // 2a u = e + f, 2b v = e − f.
+        let Diagonals { e, f, .. } = cell;
         let (per_a, per_b) = (splat(simd, 0.5 / grid.spacing.x), splat(simd, 0.5 / grid.spacing.y));
         let (u, v) = ((e + f) * per_a, (e - f) * per_b);
         let (p, q) = (v * per_a, u * per_b);
         Self { value: u.dot(v), g11: p + q, g10: p - q }
+    }
+
+    /// These gradients, from where the substep starts, and not those of `now`: so pushed, the cell keeps its angular momentum
+    /// and its energy. Those of `now` where a cell turns too far within the substep.
+    #[inline(always)]
+    fn unless_turned(self, simd: S, now: Self) -> Self {
+        let across = self.g11.dot(now.g11) + self.g10.dot(now.g10);
+        let along = now.g11.dot(now.g11) + now.g10.dot(now.g10);
+        let near = (across - along).abs().simd_lt(along * splat(simd, 0.05));
+        let keep = near & now.value.abs().simd_lt(splat(simd, 0.3));
+        let choose = |a: Vec3x8<S>, b: Vec3x8<S>| Vec3x8 {
+            x: keep.select(a.x, b.x),
+            y: keep.select(a.y, b.y),
+            z: keep.select(a.z, b.z),
+        };
+        Self { value: now.value, g11: choose(self.g11, now.g11), g10: choose(self.g10, now.g10) }
     }
 
     /// 1/(Σ w |∇C|² + α̃).
@@ -140,11 +174,19 @@ impl<S: Simd> Corners<S> {
         store_pair3(self.p01, self.p11, v, at + grid.stride as usize);
     }
 
+    #[inline(always)]
+    fn diagonals(self) -> Diagonals<S> {
+        Diagonals {
+            e: self.p11 - self.p00,
+            f: self.p10 - self.p01,
+            twist: (self.p00 - self.p10) + (self.p11 - self.p01),
+        }
+    }
+
     /// Takes out of the corners what is twisted in `of`.
     #[inline(always)]
-    fn untwist(&mut self, simd: S, of: Self, w: &Weights<S>, compliance: f32) {
-        let c = (of.p00 - of.p10) + (of.p11 - of.p01);
-        let s = c * (w.on / (w.w00 + w.w10 + w.w01 + w.w11 + splat(simd, compliance)));
+    fn untwist(&mut self, simd: S, of: Diagonals<S>, w: &Weights<S>, compliance: f32) {
+        let s = of.twist * (w.on / (w.w00 + w.w10 + w.w01 + w.w11 + splat(simd, compliance)));
         self.p00 = self.p00 - s * w.w00;
         self.p11 = self.p11 - s * w.w11;
         self.p10 = self.p10 + s * w.w10;

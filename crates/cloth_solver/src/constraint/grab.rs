@@ -48,15 +48,16 @@ impl Grab {
         }
         let mass = 1.0 / w;
         let damping = 2.0 * (self.stiffness * mass).sqrt();
-        let now = point(&particles.position) - self.from.lerp(self.to, sub.end);
-        let before = point(&particles.previous) - self.from.lerp(self.to, sub.start);
+        let start = point(&particles.position);
+        let now = start + point(&particles.moved) - self.from.lerp(self.to, sub.end);
+        let before = start - self.from.lerp(self.to, sub.start);
         let inertia = mass / (sub.h * sub.h);
         let drag = damping / sub.h;
         let after = (now * inertia + before * drag) / (inertia + self.stiffness + drag);
         let force = ((after - now) * inertia).clamp_length_max(self.max_force);
         for i in 0..3 {
             let pull = force * (sub.h * sub.h * particles.inverse_mass[slots[i]] * self.weights[i]);
-            particles.position.set(slots[i], particles.position.get(slots[i]) + pull);
+            particles.moved.set(slots[i], particles.moved.get(slots[i]) + pull);
         }
     }
 }

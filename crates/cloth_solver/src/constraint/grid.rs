@@ -26,7 +26,7 @@ pub(super) struct GridConstraints {
     column_width: Vec<f32>,
     rows_position: Soa3,
     rows_inverse_mass: Vec<f32>,
-    rows_previous: Soa3,
+    rows_moved: Soa3,
     rows_load: Vec<f32>,
     /// Multipliers of the links of each block of eight rows or columns.
     weft_lambda: Vec<f32>,
@@ -55,7 +55,7 @@ impl GridConstraints {
             column_width: widths(columns, stride),
             rows_position: Soa3::zeros(stride * LANES),
             rows_inverse_mass: vec![0.0; stride * LANES],
-            rows_previous: Soa3::zeros(stride * LANES),
+            rows_moved: Soa3::zeros(stride * LANES),
             rows_load: vec![0.0; stride * LANES],
             weft_lambda: vec![0.0; rows.next_multiple_of(LANES) * columns],
             warp_lambda: vec![0.0; stride * rows],
@@ -124,13 +124,12 @@ impl GridConstraints {
     fn soften_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
         let (rows, block) = (self.rows(), self.row_block());
         for first in (0..rows.rows).step_by(LANES) {
-            gather(simd, &particles.position, &mut self.rows_position, rows, first);
-            gather(simd, &particles.previous, &mut self.rows_previous, rows, first);
+            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
             lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
             let lambda = links(&mut self.weft_lambda, block, first);
-            let (x, previous, w) = (&mut self.rows_position, &self.rows_previous, &self.rows_inverse_mass);
-            lines::soften(simd, block, x, previous, w, lambda, &mut self.elimination);
-            scatter(simd, x, &mut particles.position, rows, first);
+            let (moved, w) = (&mut self.rows_moved, &self.rows_inverse_mass);
+            lines::soften(simd, block, moved, w, lambda, &mut self.elimination);
+            scatter(simd, moved, &mut particles.moved, rows, first);
             self.rows_load.fill(0.0);
             lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), &mut self.rows_load);
             lines::scatter_rows(simd, &self.rows_load, &mut particles.load, rows, first);
@@ -139,21 +138,21 @@ impl GridConstraints {
 
     #[inline(always)]
     fn soften_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        let Particles { position, previous, inverse_mass, load: inertia, .. } = particles;
+        let Particles { moved, inverse_mass, load: inertia, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
             let lambda = links(&mut self.warp_lambda, block, base);
-            lines::soften(simd, block, position, previous, inverse_mass, lambda, &mut self.elimination);
+            lines::soften(simd, block, moved, inverse_mass, lambda, &mut self.elimination);
             lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
         }
     }
 
     #[inline(always)]
     fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
-        let Particles { position, inverse_mass, .. } = particles;
+        let Particles { position, moved, inverse_mass, .. } = particles;
         let model = self.cell_model(h);
         if model.shear.is_some() || model.twist.is_some() {
-            Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position);
+            Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position, moved);
         }
     }
 
@@ -203,17 +202,18 @@ impl GridConstraints {
         let stretch = splat(simd, a / (self.fabric.stretch_weft * b * h * h));
         for first in (0..rows.rows).step_by(LANES) {
             gather(simd, &particles.position, &mut self.rows_position, rows, first);
+            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
             lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
             let stretch = stretch / load(simd, &self.row_width, first);
             let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
-            let (x, w) = (&mut self.rows_position, &self.rows_inverse_mass);
+            let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
             if let Some(compliance) = bend {
-                lines::bend(simd, block, x, w, compliance, &mut self.elimination);
+                lines::bend(simd, block, x, moved, w, compliance, &mut self.elimination);
             }
             let lambda = links(&mut self.weft_lambda, block, first);
-            let load_ratio = lines::stretch(simd, block, x, w, stretch, lambda, &mut self.elimination);
+            let load_ratio = lines::stretch(simd, block, x, moved, w, stretch, lambda, &mut self.elimination);
             largest = largest.max(load_ratio);
-            scatter(simd, x, &mut particles.position, rows, first);
+            scatter(simd, moved, &mut particles.moved, rows, first);
         }
         largest.reduce_max()
     }
@@ -224,17 +224,17 @@ impl GridConstraints {
         let mut largest = splat(simd, 0.0);
         let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let stretch = splat(simd, b / (self.fabric.stretch_warp * a * h * h));
-        let Particles { position, inverse_mass, .. } = particles;
+        let Particles { position, moved, inverse_mass, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
             if self.fabric.bend_warp > 0.0 {
                 let compliance = self.bend_warp_compliance(simd, base, h);
-                lines::bend(simd, block, position, inverse_mass, compliance, &mut self.elimination);
+                lines::bend(simd, block, position, moved, inverse_mass, compliance, &mut self.elimination);
             }
             let stretch = stretch / load(simd, &self.column_width, base);
             let lambda = links(&mut self.warp_lambda, block, base);
             let load_ratio =
-                lines::stretch(simd, block, position, inverse_mass, stretch, lambda, &mut self.elimination);
+                lines::stretch(simd, block, position, moved, inverse_mass, stretch, lambda, &mut self.elimination);
             largest = largest.max(load_ratio);
         }
         largest.reduce_max()

@@ -39,17 +39,19 @@ impl Hinges {
     /// Solves every hinge once.
     #[inline(always)]
     pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
-        let Particles { position, inverse_mass, .. } = particles;
+        let Particles { position, moved, inverse_mass, .. } = particles;
         let per_step = splat(simd, 1.0 / (h * h));
         for (g, group) in self.batches.groups.iter().enumerate() {
-            let x = group.map(|slots| gather3(simd, position, &slots));
+            let start = group.map(|slots| gather3(simd, position, &slots));
+            let moves = group.map(|slots| gather3(simd, moved, &slots));
+            let x = [0, 1, 2, 3].map(|i| start[i] - start[0] + moves[i]);
             let w = group.map(|slots| gather(simd, inverse_mass, &slots));
             let (angle, gradient) = angle_and_gradient(simd, x);
             let turn = wrap(simd, angle - f32x8::simd_from(simd, self.rest_angle[g]));
             let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
             let lambda = -turn / (weight(&w, &gradient) + compliance);
             for i in 0..4 {
-                scatter3(x[i] + gradient[i] * (lambda * w[i]), position, &group[i]);
+                scatter3(moves[i] + gradient[i] * (lambda * w[i]), moved, &group[i]);
             }
         }
     }

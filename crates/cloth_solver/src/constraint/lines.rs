@@ -22,6 +22,12 @@ use crate::lanes::{LANES, Vec3x8, load, splat, store, transpose};
 /// T h²/(m l) up to which the waves across a line are left explicit: those of warp and weft add up, and the limit is ⅓.
 pub(crate) const EXPLICIT_LOAD: f32 = 0.15;
 
+/// Up to which T h²/(m l), predicted strain and 1 − cos of the turn within a substep a link pulls along the direction it had
+/// when the substep began; beyond three times as much it pulls along the one it is predicted to have. See [`stretch`].
+const CALM_LOAD: f32 = 0.1;
+const CALM_STRAIN: f32 = 0.0015;
+const CALM_TURN: f32 = 0.025;
+
 /// Eight runs of `count` particles each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
@@ -53,7 +59,13 @@ impl Elimination {
 
 /// Solves the stretch constraints `|x_{k+1} − x_k| = spacing` of each run together: one Newton step of the XPBD
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
-/// `A_kk = w_k + w_{k+1} + α̃`, `A_{k−1,k} = −w_k n_{k−1}·n_k`, `A λ = −C`.
+/// `A_kk = (w_k + w_{k+1}) p_k·p_k + α̃`, `A_{k−1,k} = −w_k p_{k−1}·p_k`, `A λ = −C`; p_k is the direction link k pulls along.
+///
+/// XPBD pulls along the direction n_k a link is predicted to have, which is implicit for the waves across the line and damps them as implicit Euler does: a curtain
+/// would lose a twelfth of its swing in five seconds. Pulled along the direction at the start of the substep, as in SHAKE
+/// (Ryckaert, Ciccotti, Berendsen 1977), waves and swings keep their energy and the whole its angular momentum, while the
+/// constraint still holds at the end. That is explicit for the waves, so it is left where it could not be resolved: under a
+/// high load, in an impact, in a whip (`CALM_*`).
 ///
 /// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `lambda`, eight lanes per link, and returns the largest
 /// T h²/(m l) = −λ/(m l) of each run, m the lighter end of a link.
@@ -61,7 +73,8 @@ impl Elimination {
 pub(crate) fn stretch<S: Simd>(
     simd: S,
     block: Block,
-    position: &mut Soa3,
+    position: &Soa3,
+    moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
     lambda: &mut [f32],
@@ -72,29 +85,39 @@ pub(crate) fn stretch<S: Simd>(
     let one = splat(simd, 1.0);
     let tiny = splat(simd, f32::MIN_POSITIVE);
     let rest = splat(simd, spacing);
+    let per_load = splat(simd, -0.5 / (spacing * CALM_LOAD));
+    let per_strain = splat(simd, 0.5 / (spacing * CALM_STRAIN));
+    let per_turn = splat(simd, 0.5 / CALM_TURN);
 
     let mut x = Vec3x8::load(simd, position, base);
+    let mut moves = Vec3x8::load(simd, moved, base);
     let mut w = load(simd, inverse_mass, base);
     let mut last = Vec3x8 { x: zero, y: zero, z: zero };
     let (mut last_inverse, mut last_rhs) = (zero, zero);
     for k in 0..count - 1 {
         let next = base + (k + 1) * stride;
-        let x_next = Vec3x8::load(simd, position, next);
+        let (x_next, moves_next) = (Vec3x8::load(simd, position, next), Vec3x8::load(simd, moved, next));
         let w_next = load(simd, inverse_mass, next);
-        let d = x_next - x;
+        let before = x_next - x;
+        let d = before + (moves_next - moves);
         let length = d.length();
         // A link of no length has no direction: its normal is 0, not NaN, and it gets no correction.
         let normal = d * (one / length.max(tiny));
-        let off = -(w * last.dot(normal));
+        let before = before * (one / before.length().max(tiny));
+        let load_ratio = load(simd, lambda, k * LANES) * w.max(w_next) * per_load;
+        let storm = load_ratio.max((length - rest).abs() * per_strain).max((one - before.dot(normal)) * per_turn);
+        let share = (splat(simd, 1.5) - storm).max(zero).min(one);
+        let pull = normal + (before - normal) * share;
+        let off = -(w * last.dot(pull));
         let upper = off * last_inverse;
         // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
-        let inverse = one / (w + w_next + compliance - off * upper).max(tiny);
+        let inverse = one / ((w + w_next) * pull.dot(pull) + compliance - off * upper).max(tiny);
         let rhs = (rest - length - off * last_rhs) * inverse;
-        normal.store(&mut work.vector, k * LANES);
+        pull.store(&mut work.vector, k * LANES);
         store(upper, &mut work.upper, k * LANES);
         store(rhs, lambda, k * LANES);
-        (last, last_inverse, last_rhs) = (normal, inverse, rhs);
-        (x, w) = (x_next, w_next);
+        (last, last_inverse, last_rhs) = (pull, inverse, rhs);
+        (x, moves, w) = (x_next, moves_next, w_next);
     }
 
     // Back substitution; particle k+1 is corrected once the multipliers on both its sides are known.
@@ -108,13 +131,11 @@ pub(crate) fn stretch<S: Simd>(
         store(multiplier, lambda, k * LANES);
         load_ratio = load_ratio.max(-(multiplier.min(lambda_above) * w));
         let pull = Vec3x8::load(simd, &work.vector, k * LANES) * multiplier;
-        let x = Vec3x8::load(simd, position, at) + (pull - pull_above) * w;
-        x.store(position, at);
+        (Vec3x8::load(simd, moved, at) + (pull - pull_above) * w).store(moved, at);
         (lambda_above, pull_above) = (multiplier, pull);
     }
     let w = load(simd, inverse_mass, base);
-    let x = Vec3x8::load(simd, position, base) - pull_above * w;
-    x.store(position, base);
+    (Vec3x8::load(simd, moved, base) - pull_above * w).store(moved, base);
     load_ratio.max(-(lambda_above * w)) * splat(simd, 1.0 / spacing)
 }
 
@@ -136,15 +157,14 @@ pub(crate) fn record_load<S: Simd>(simd: S, block: Block, lambda: &[f32], scale:
 /// Makes the transverse waves of taut runs implicit: `(M + θ h² G) Δ' = M Δ`, Δ what each particle moved in this
 /// substep, G the string's stiffness from the tension T h² = −λ of the last [`stretch`] beyond [`EXPLICIT_LOAD`].
 ///
-/// An exact line pulls along where its links point when the substep begins. To the waves that run across it that is an
-/// explicit step: with g = h² ω² it is stable for g < 4/3, and the highest wave has g = 4 T h²/(m l). Filtered so, it is
+/// Under such a load an exact line pulls along where its links are predicted to point without it. To the waves that run
+/// across it that is an explicit step: with g = h² ω² it is stable for g < 4/3, and the highest wave has g = 4 T h²/(m l). Filtered so, it is
 /// stable for every g if θ ≥ 3/2. What does not move, and what all moves alike, is left as it is.
 #[inline(always)]
 pub(crate) fn soften<S: Simd>(
     simd: S,
     block: Block,
-    position: &mut Soa3,
-    previous: &Soa3,
+    moved: &mut Soa3,
     inverse_mass: &[f32],
     lambda: &[f32],
     work: &mut Elimination,
@@ -165,11 +185,11 @@ pub(crate) fn soften<S: Simd>(
         } else {
             zero
         };
-        let moved = Vec3x8::load(simd, position, at) - Vec3x8::load(simd, previous, at);
+        let moves = Vec3x8::load(simd, moved, at);
         // Row k: −w before · Δ'_{k−1} + (1 + w (before + after)) Δ'_k − w after · Δ'_{k+1} = Δ_k.
         let lower = w * before;
         let inverse = one / (one + w * (before + after) - lower * upper);
-        last = (moved + last * lower) * inverse;
+        last = (moves + last * lower) * inverse;
         upper = w * after * inverse;
         last.store(&mut work.vector, k * LANES);
         store(upper, &mut work.upper, k * LANES);
@@ -180,7 +200,7 @@ pub(crate) fn soften<S: Simd>(
         if k + 1 < count {
             last = Vec3x8::load(simd, &work.vector, k * LANES) + last * load(simd, &work.upper, k * LANES);
         }
-        (Vec3x8::load(simd, previous, at) + last).store(position, at);
+        last.store(moved, at);
     }
 }
 
@@ -195,7 +215,8 @@ pub(crate) fn soften<S: Simd>(
 pub(crate) fn bend<S: Simd>(
     simd: S,
     block: Block,
-    position: &mut Soa3,
+    position: &Soa3,
+    moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
     work: &mut Elimination,
@@ -207,12 +228,15 @@ pub(crate) fn bend<S: Simd>(
         return;
     }
     let at = |k: usize| base + k * stride;
-    let (mut x0, mut x1) = (Vec3x8::load(simd, position, at(0)), Vec3x8::load(simd, position, at(1)));
+    let mut start = Vec3x8::load(simd, position, at(1));
+    let mut moves = Vec3x8::load(simd, moved, at(1));
+    let mut edge = start - Vec3x8::load(simd, position, at(0)) + (moves - Vec3x8::load(simd, moved, at(0)));
     let (mut w0, mut w1) = (load(simd, inverse_mass, at(0)), load(simd, inverse_mass, at(1)));
     // Of the rows k−1 and k−2: the pivot's inverse, the factor next to the diagonal, the right-hand side.
     let (mut inverse1, mut inverse2, mut near1, mut y1, mut y2) = (zero, zero, zero, none, none);
     for k in 1..count - 1 {
-        let x2 = Vec3x8::load(simd, position, at(k + 1));
+        let (start_next, moves_next) = (Vec3x8::load(simd, position, at(k + 1)), Vec3x8::load(simd, moved, at(k + 1)));
+        let edge_next = start_next - start + (moves_next - moves);
         let w2 = load(simd, inverse_mass, at(k + 1));
         let inner = if k > 1 { one } else { zero };
         let far = if k > 2 { w0 } else { zero };
@@ -221,13 +245,13 @@ pub(crate) fn bend<S: Simd>(
         let (near_factor, far_factor) = (near * inverse1, far * inverse2);
         let pivot = w0 + two * two * w1 + w2 + compliance - near_factor * near - far_factor * far;
         let inverse = one / pivot;
-        let curl = x1 * two - x0 - x2;
+        let curl = edge - edge_next;
         let y = curl + y1 * near_factor - y2 * far_factor;
         (y * inverse).store(&mut work.vector, k * LANES);
         store(near_factor, &mut work.upper, k * LANES);
         store(far_factor, &mut work.far, k * LANES);
         (inverse2, inverse1, near1, y2, y1) = (inverse1, inverse, near_factor, y1, y);
-        (x0, x1, w0, w1) = (x1, x2, w1, w2);
+        (start, moves, edge, w0, w1) = (start_next, moves_next, edge_next, w1, w2);
     }
     // Back: λ_k = z_k + near_{k+1} λ_{k+1} − far_{k+2} λ_{k+2}; a particle moves once its three multipliers are known.
     let (mut lambda1, mut lambda2) = (none, none);
@@ -238,7 +262,7 @@ pub(crate) fn bend<S: Simd>(
         let next = at(k + 1);
         let push = lambda - lambda1 * two + lambda2;
         let w = load(simd, inverse_mass, next);
-        (Vec3x8::load(simd, position, next) + push * w).store(position, next);
+        (Vec3x8::load(simd, moved, next) + push * w).store(moved, next);
         far2 = far1;
         near1 = load(simd, &work.upper, k * LANES);
         far1 = load(simd, &work.far, k * LANES);
@@ -246,7 +270,7 @@ pub(crate) fn bend<S: Simd>(
     }
     for (k, push) in [(1, lambda2 - lambda1 * two), (0, lambda1)] {
         let w = load(simd, inverse_mass, at(k));
-        (Vec3x8::load(simd, position, at(k)) + push * w).store(position, at(k));
+        (Vec3x8::load(simd, moved, at(k)) + push * w).store(moved, at(k));
     }
 }
 

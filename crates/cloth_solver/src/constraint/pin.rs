@@ -25,12 +25,13 @@ pub struct Pins {
 }
 
 impl Pins {
-    /// Moves every pinned particle to where its frame is at the fraction `t` of the tick.
+    /// Lets every pinned particle move to where its frame is at the fraction `t` of the tick.
     pub(crate) fn apply(&self, particles: &mut Particles, t: f32) {
         for (index, frame) in self.frames.iter().enumerate() {
             let pose = frame.at(t);
             for pin in self.pins.iter().filter(|pin| pin.frame as usize == index) {
-                particles.position.set(pin.particle as usize, pose.point(pin.local));
+                let i = pin.particle as usize;
+                particles.moved.set(i, pose.point(pin.local) - particles.position.get(i));
             }
         }
     }

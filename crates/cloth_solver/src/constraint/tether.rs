@@ -74,11 +74,12 @@ impl Tethers {
     /// Pulls back every particle that is too far from its pin.
     pub fn solve(&self, particles: &mut Particles) {
         for tether in &self.tethers {
-            let (i, anchor) = (tether.particle as usize, particles.position.get(tether.anchor as usize));
-            let away = particles.position.get(i) - anchor;
+            let (i, anchor) = (tether.particle as usize, tether.anchor as usize);
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            let away = (position.get(i) - position.get(anchor)) + (moved.get(i) - moved.get(anchor));
             let (distance, limit) = (away.length(), tether.length * (1.0 + self.slack));
-            if distance > limit && particles.inverse_mass[i] > 0.0 {
-                particles.position.set(i, anchor + away * (limit / distance));
+            if distance > limit && inverse_mass[i] > 0.0 {
+                moved.set(i, moved.get(i) - away * (1.0 - limit / distance));
             }
         }
     }

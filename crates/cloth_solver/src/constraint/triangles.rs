@@ -53,7 +53,12 @@ impl Triangles {
         let per_area = |stiffness: f32| splat(simd, 1.0 / (stiffness * h * h));
         for (g, group) in self.batches.groups.iter().enumerate() {
             let w = [0, 1, 2].map(|i| gather(simd, &particles.inverse_mass, &group[i]));
-            let mut x = [0, 1, 2].map(|i| gather3(simd, &particles.position, &group[i]));
+            let start = [0, 1, 2].map(|i| gather3(simd, &particles.position, &group[i]));
+            let moves = [0, 1, 2].map(|i| gather3(simd, &particles.moved, &group[i]));
+            // Relative to the first corner, so that nothing is lost in large coordinates.
+            let origin = start[0];
+            let relative = start.map(|x| x - origin);
+            let mut x = [0, 1, 2].map(|i| relative[i] + moves[i]);
             let m = self.inverse_rest[g].map(|lanes| f32x8::simd_from(simd, lanes));
             let inverse_area = f32x8::simd_from(simd, self.inverse_area[g]);
             length(simd, &mut x, &w, [m[0], m[1]], per_area(self.stretch_weft) * inverse_area);
@@ -62,7 +67,7 @@ impl Triangles {
                 angle(&mut x, &w, m, per_area(self.shear) * inverse_area);
             }
             for i in 0..3 {
-                scatter3(x[i], &mut particles.position, &group[i]);
+                scatter3(x[i] - relative[i], &mut particles.moved, &group[i]);
             }
         }
     }

@@ -54,10 +54,10 @@ fn scale_masses<S: Simd>(simd: S, particles: &mut Particles) {
     }
 }
 
-/// Symplectic Euler: `v += h a`, `x += h v` for all that is free.
+/// Symplectic Euler: `v += h a`, `Δx = h v` for all that is free.
 #[inline(always)]
 fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
-    let Particles { position, previous, velocity, mass, inverse_mass, acceleration, force, .. } = particles;
+    let Particles { moved, velocity, mass, inverse_mass, acceleration, force, .. } = particles;
     let step = splat(simd, h);
     let kick = Vec3x8::splat(simd, *acceleration * h);
     let zero = splat(simd, 0.0);
@@ -70,21 +70,22 @@ fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
         }
         let free = w.simd_gt(zero);
         let v = Vec3x8 { x: free.select(v.x, zero), y: free.select(v.y, zero), z: free.select(v.z, zero) };
-        let x = Vec3x8::load(simd, position, i);
-        x.store(previous, i);
-        (x + v * step).store(position, i);
+        (v * step).store(moved, i);
         v.store(velocity, i);
     }
 }
 
-/// `v = (x − x_previous)/h`.
+/// `x += Δx`, `v = Δx/h`.
 #[inline(always)]
 fn take_velocities<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
-    let Particles { position, previous, velocity, inverse_mass, .. } = particles;
-    let per_step = splat(simd, 1.0 / h);
+    let Particles { position, moved, previous, velocity, inverse_mass, .. } = particles;
+    let step = splat(simd, h);
     for i in groups(inverse_mass) {
-        let moved = Vec3x8::load(simd, position, i) - Vec3x8::load(simd, previous, i);
-        (moved * per_step).store(velocity, i);
+        let (x, moved) = (Vec3x8::load(simd, position, i), Vec3x8::load(simd, moved, i));
+        x.store(previous, i);
+        (x + moved).store(position, i);
+        // Divided, not multiplied by 1/h, whose rounding would add to the speed of everything in every substep.
+        Vec3x8 { x: moved.x / step, y: moved.y / step, z: moved.z / step }.store(velocity, i);
     }
 }
 

@@ -49,6 +49,22 @@ pub fn run(cloth: &mut Cloth, seconds: f32) {
     }
 }
 
+/// Brings cloth to the rest it would swing about for long: stops it whenever its kinetic energy has passed a peak
+/// (kinetic damping, Cundall 1976).
+pub fn settle(cloth: &mut Cloth, seconds: f32) {
+    let mut last = 0.0;
+    for _ in 0..(seconds / TICK.dt).round() as u32 {
+        cloth.step(TICK, GRAVITY);
+        let energy = cloth_solver::measure::kinetic_energy(&cloth.particles);
+        if energy < last {
+            cloth.particles.velocity.fill(Vec3::ZERO);
+            last = 0.0;
+        } else {
+            last = energy;
+        }
+    }
+}
+
 pub fn collider(shape: Shape, position: Vec3, rotation: Quat, friction: f32) -> Collider {
     Collider { shape, motion: Motion::at_rest(Pose::new(position, rotation)), friction }
 }

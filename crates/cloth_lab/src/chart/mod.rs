@@ -1,18 +1,98 @@
-//! Placeholder.
+//! Work–precision diagrams: time against error for every method, scene by scene.
+
+pub mod case;
+pub mod extras;
+pub mod fit;
+pub mod record;
+pub mod run;
+pub mod truth;
+mod write;
 
 use clap::Args as ClapArgs;
+use cloth_solver::Method;
 
-use crate::LabError;
+use crate::report::Output;
+use crate::{LabError, progress};
 
 /// Arguments.
 #[derive(ClapArgs, Debug)]
 pub struct Args {
-    /// Takes less than two minutes: fewer points, smaller meshes.
+    /// Takes less than two minutes: 24 × 24 cells, every second setting, at most half a second for a point.
     #[arg(long)]
     pub quick: bool,
+    #[command(flatten)]
+    output: Output,
+    /// Methods to chart, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', value_parser = method, value_name = "LIST")]
+    pub methods: Vec<Method>,
+    /// Scenes to chart, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(case::NAMES), value_name = "LIST")]
+    pub scenes: Vec<String>,
+    /// Cells along each side of the sheet, 4 to 255. Default: 63 (64 × 64 particles), 24 with --quick.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(4..256))]
+    pub cells: Option<u32>,
+    /// A run that would take longer than this many seconds is given up. Default: 12, 0.5 with --quick.
+    #[arg(long, value_name = "SECONDS")]
+    pub limit: Option<f64>,
+}
+
+/// The method of that name.
+///
+/// # Errors
+/// All names, if there is none.
+pub fn method(name: &str) -> Result<Method, String> {
+    Method::ALL
+        .into_iter()
+        .find(|method| method.name() == name)
+        .ok_or_else(|| format!("no such method; there are {}", Method::ALL.map(Method::name).join(", ")))
+}
+
+/// Those asked for, or all.
+pub(crate) fn methods(asked: &[Method]) -> Vec<Method> {
+    if asked.is_empty() { Method::ALL.to_vec() } else { asked.to_vec() }
 }
 
 /// Runs the command.
-pub fn run(_: &Args) -> Result<(), LabError> {
+///
+/// # Errors
+/// A file that could not be written.
+pub fn run(args: &Args) -> Result<(), LabError> {
+    let cells = args.cells.unwrap_or(if args.quick { 24 } else { 63 });
+    let limit = args.limit.unwrap_or(if args.quick { 0.5 } else { 12.0 });
+    let wanted = |case: &case::Case| args.scenes.is_empty() || args.scenes.iter().any(|name| name == case.name);
+    let cases: Vec<case::Case> = case::cases(cells).into_iter().filter(wanted).collect();
+    let methods = methods(&args.methods);
+
+    let bar = progress::bar(cases.len() as u64);
+    bar.set_message("references");
+    let truths = truth::truths(&cases, &bar);
+    bar.finish_and_clear();
+
+    let jobs: Vec<_> = (cases.iter().zip(&truths))
+        .flat_map(|(case, truth)| methods.iter().map(move |method| (case, truth, *method)))
+        .flat_map(|(case, truth, method)| {
+            run::settings(method, args.quick).into_iter().map(move |setting| (case, truth, method, setting))
+        })
+        .collect();
+    let bar = progress::bar(jobs.len() as u64);
+    let mut points = Vec::with_capacity(jobs.len());
+    for (case, truth, method, setting) in jobs {
+        bar.set_message(format!("{}, {} {setting}", case.name, method.name()));
+        if let Some(truth) = truth {
+            points.push(run::run(case, truth, method, setting, limit));
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+
+    let mut costs = Vec::new();
+    if let Some(index) = cases.iter().position(|case| case.name == "top-hung") {
+        if let Some(truth) = &truths[index] {
+            costs = methods.iter().flat_map(|method| extras::costs(&cases[index], truth, *method)).collect();
+        }
+    }
+    let found = write::Found { cases: &cases, truths: &truths, points: &points, costs: &costs, methods: &methods };
+    write::write(&found, &args.output)?;
+    println!("{} points; results in {}", points.len(), args.output.out.display());
     Ok(())
 }

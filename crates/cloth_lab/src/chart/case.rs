@@ -1,0 +1,107 @@
+//! The scenes of the chart.
+
+use cloth_scene::{Scene, SceneCloth, SceneCollider, SceneFabric, ScenePins, ScenePlace, SceneShape, SceneWeight};
+use cloth_solver::Fabric;
+use cloth_solver::forces::Air;
+use glam::{UVec2, Vec2, Vec3};
+
+/// Internal friction where only rest is looked at, 1/s: high, so that it comes soon. Rest does not depend on it.
+const SETTLING: f32 = 5.0;
+/// Mass of the weights, in masses of an inner particle.
+const WEIGHT: f32 = 1000.0;
+/// Radius of the ball, m.
+const BALL: f32 = 0.25;
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judged {
+    /// Rest, from the reference's rest on: largest strain over the last half second, shape at the end.
+    Rest,
+    /// A motion: largest strain of the whole of it, shape after [`Case::shape_at`], before it becomes chaotic.
+    Motion,
+    /// A small swing: its period and what is left of its amplitude too.
+    Swing,
+}
+
+/// A scene of the chart and what is compared in it.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its name on the command line and in the tables.
+    pub name: &'static str,
+    /// What is played. One cloth, a rectangle of 1 × 1 m.
+    pub scene: Scene,
+    /// What is compared.
+    pub judged: Judged,
+    /// When shapes are compared, s after the start.
+    pub shape_at: f32,
+}
+
+/// The names of all cases, in their order.
+pub const NAMES: [&str; 8] =
+    ["top-hung", "corner-hung", "swing", "drape", "weight", "flag", "small-swing", "weight-corners"];
+
+/// All cases, on `cells` × `cells` cells at 60 Hz:
+///
+/// - `top-hung`: cotton poplin by its whole top edge, at rest;
+/// - `corner-hung`: by its two upper corners, at rest;
+/// - `swing`: by its top edge, undamped, let go horizontally, 2 s;
+/// - `drape`: laid on a ball of 25 cm, a little off its middle, 0.6 s;
+/// - `weight`: `top-hung` with 1000 particle masses on a free corner, at rest;
+/// - `flag`: a flag of knitted polyester by its left edge in a wind of 6 m/s, 0.5 s;
+/// - `small-swing`: by its top edge, undamped, let go at 5°, 5 s;
+/// - `weight-corners`: `corner-hung` with the weight of `weight`.
+pub fn cases(cells: u32) -> Vec<Case> {
+    NAMES.iter().map(|name| case(name, cells)).collect()
+}
+
+fn case(name: &'static str, cells: u32) -> Case {
+    let mass = Fabric::COTTON_POPLIN.areal_density / (cells * cells) as f32;
+    let weight = vec![SceneWeight { at: Vec2::ONE, mass: WEIGHT * mass }];
+    let cloth = SceneCloth { name: name.into(), cells: UVec2::splat(cells), ..SceneCloth::default() };
+    let hung = |pins| SceneCloth { pins: vec![pins], damping: Some(SETTLING), ..cloth.clone() };
+    let turned = |degrees| ScenePlace { turn: Vec3::X * degrees, ..ScenePlace::default() };
+    let swung = |degrees| SceneCloth { place: turned(degrees), damping: Some(0.0), ..hung(ScenePins::Top) };
+    let scene = |cloth, seconds| Scene { title: name.into(), seconds, cloths: vec![cloth], ..Scene::default() };
+    let (scene, judged, shape_at) = match name {
+        "corner-hung" => (scene(hung(ScenePins::Corners), 3.0), Judged::Rest, 3.0),
+        "swing" => (scene(swung(90.0), 2.0), Judged::Motion, 0.5),
+        "drape" => {
+            // Just above it, and not so even that any fold is as good as its mirror image.
+            let at = Vec3::new(0.03, -BALL - 0.012, 0.02);
+            let place = ScenePlace { at, ..ScenePlace::default() };
+            let shape = SceneShape::Sphere { radius: BALL };
+            let ball = SceneCollider { name: "ball".into(), shape, place, friction: None };
+            let lying = SceneCloth { place: turned(-90.0), ..cloth.clone() };
+            (Scene { colliders: vec![ball], ..scene(lying, 0.6) }, Judged::Motion, 0.4)
+        }
+        "weight" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Top) }, 3.0), Judged::Rest, 3.0),
+        "flag" => {
+            let fabric = SceneFabric::Preset("Flag, knitted polyester".into());
+            let flag = SceneCloth { fabric, pins: vec![ScenePins::Left], ..cloth.clone() };
+            let wind = Vec3::new(6.0, 0.0, 0.5);
+            (Scene { air: Some(Air::default()), wind, ..scene(flag, 0.5) }, Judged::Motion, 0.5)
+        }
+        "small-swing" => (scene(swung(5.0), 5.0), Judged::Swing, 5.0),
+        "weight-corners" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Corners) }, 3.0), Judged::Rest, 3.0),
+        _ => (scene(hung(ScenePins::Top), 3.0), Judged::Rest, 3.0),
+    };
+    Case { name, scene, judged, shape_at }
+}
+
+impl Case {
+    /// The tick after which shapes are compared, from 1.
+    pub fn shape_tick(&self) -> usize {
+        (self.shape_at * self.scene.rate).round().max(1.0) as usize
+    }
+
+    /// Number of ticks.
+    pub fn ticks(&self) -> usize {
+        (self.scene.seconds * self.scene.rate).round().max(1.0) as usize
+    }
+
+    /// Distance the cloth keeps from colliders, m.
+    pub fn offset(&self) -> f64 {
+        let world = cloth_scene::World::new(&self.scene).ok();
+        world.and_then(|world| world.cloths.first().map(|cloth| f64::from(cloth.contacts.offset))).unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,116 @@
+//! What changes at run time, and what it costs: a grab, contacts, removed edges.
+
+use std::time::Instant;
+
+use cloth_scene::World;
+use cloth_solver::constraint::Grab;
+use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::{Cloth, Method, Motion, Pose};
+use glam::{Quat, Vec3};
+
+use super::case::Case;
+use super::run::{Setting, place};
+use super::truth::Truth;
+
+/// Ticks before anything is timed, and ticks timed.
+const TICKS: usize = 30;
+/// Edge of the box behind the sheet, m: it touches 500 of 64 × 64 particles.
+const BOX: f32 = 0.352;
+/// Gravity towards that box, m/s².
+const PRESS: f32 = 5.0;
+/// Stiffness, N/m, and greatest force, N, of the hand.
+const HAND: (f32, f32) = (500.0, 20.0);
+
+/// The cost of a change to a cloth that hangs quietly.
+#[derive(Clone, Debug)]
+pub struct Cost {
+    /// The method.
+    pub method: Method,
+    /// Substeps and iterations.
+    pub setting: Setting,
+    /// What is changed.
+    pub change: &'static str,
+    /// Median time of a quiet tick, s.
+    pub quiet: f64,
+    /// Time of the first tick with the change, s; `None` where it is not supported.
+    pub first: Option<f64>,
+    /// Median time of the ticks after it, s.
+    pub later: Option<f64>,
+    /// Contacts in the last of those.
+    pub contacts: u32,
+}
+
+/// What is timed.
+pub const CHANGES: [&str; 3] = ["one grab", "500 contacts", "100 removed edges"];
+
+/// The setting at which a method is timed.
+pub fn setting(method: Method) -> Setting {
+    let (substeps, iterations) = match method {
+        Method::ExplicitEuler | Method::SymplecticEuler | Method::StormerVerlet | Method::RungeKutta4 => (512, 1),
+        Method::ImplicitEuler => (2, 1),
+        Method::ProjectiveDynamics => (5, 2),
+        _ => (10, 1),
+    };
+    Setting { substeps, iterations }
+}
+
+/// Times every change on the hanging sheet of `case`.
+pub fn costs(case: &Case, truth: &Truth, method: Method) -> Vec<Cost> {
+    CHANGES.iter().map(|change| cost(case, truth, method, change)).collect()
+}
+
+fn cost(case: &Case, truth: &Truth, method: Method, change: &'static str) -> Cost {
+    let setting = setting(method);
+    let mut cost = Cost { method, setting, change, quiet: f64::NAN, first: None, later: None, contacts: 0 };
+    let scene =
+        cloth_scene::Scene { method, substeps: setting.substeps, iterations: setting.iterations, ..case.scene.clone() };
+    let Ok(mut world) = World::new(&scene) else { return cost };
+    if let Some(start) = &truth.start {
+        place(&mut world.cloths[0], start);
+    }
+    (0..TICKS).for_each(|_| world.tick());
+    cost.quiet = median(&mut world);
+    if change == CHANGES[1] {
+        world.scene.gravity.z -= PRESS;
+    }
+    if apply(&mut world.cloths[0], change).is_some() {
+        cost.first = Some(timed(&mut world));
+        cost.later = Some(median(&mut world));
+        cost.contacts = world.cloths[0].contacts.touching;
+    }
+    cost
+}
+
+/// Changes the cloth; `None` where that is not supported.
+fn apply(cloth: &mut Cloth, change: &str) -> Option<()> {
+    let middle = cloth.topology.triangles.len() / 2 + cloth.topology.grid?.columns as usize;
+    let particles = *cloth.topology.triangles.get(middle)?;
+    match change {
+        "one grab" => {
+            let held = particles.map(|slot| cloth.particles.position.get(slot as usize));
+            let at = held.iter().sum::<Vec3>() / 3.0 + 0.02 * Vec3::Z;
+            let (stiffness, max_force) = HAND;
+            let weights = [1.0 / 3.0; 3];
+            cloth.constraints.grabs.push(Grab { particles, weights, from: at, to: at, stiffness, max_force });
+        }
+        "500 contacts" => {
+            let pose = Pose::new(Vec3::NEG_Z * (BOX / 2.0 + 0.5 * cloth.contacts.offset), Quat::IDENTITY);
+            let shape = Shape::cuboid(Vec3::splat(BOX)).ok()?;
+            cloth.contacts.colliders.push(Collider { shape, motion: Motion::at_rest(pose), friction: 0.3 });
+        }
+        _ => return None,
+    }
+    Some(())
+}
+
+fn timed(world: &mut World) -> f64 {
+    let start = Instant::now();
+    world.tick();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(world: &mut World) -> f64 {
+    let mut times: Vec<f64> = (0..TICKS).map(|_| timed(world)).collect();
+    times.sort_by(f64::total_cmp);
+    times[TICKS / 2]
+}

@@ -1,0 +1,95 @@
+//! What is kept of a run, and how two runs differ.
+
+use glam::DVec3;
+
+use super::case::{Case, Judged};
+use super::fit::sinusoid;
+
+/// Ticks at the end of a run over which rest is judged.
+const LAST: usize = 30;
+/// Part of a small swing, at its end, over which its amplitude is taken, s.
+const LAST_SWING: f64 = 2.0;
+
+/// What is kept of a run, after each tick.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Largest strain.
+    pub strain: Vec<f64>,
+    /// Where the middle of the lower edge is across the sheet, m.
+    pub tip: Vec<f64>,
+    /// Kinetic, elastic and gravitational energy, J; the first entry is from before the first tick.
+    pub energy: Vec<f64>,
+    /// All positions when shapes are compared, row by row, m.
+    pub shape: Vec<DVec3>,
+}
+
+/// How a run differs from the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Difference {
+    /// Largest strain of the run.
+    pub strain: f64,
+    /// Absolute difference of the largest strain.
+    pub strain_error: f64,
+    /// The same over the reference's strain.
+    pub strain_relative: f64,
+    /// Root mean square distance of the particles, mm.
+    pub shape_rms: f64,
+    /// Largest distance of a particle, mm.
+    pub shape_max: f64,
+    /// Energy left above rest over the reference's; motions without friction only.
+    pub energy_left: Option<f64>,
+    /// Largest energy above rest over that at the start; motions without friction only.
+    pub energy_most: Option<f64>,
+    /// Period over the reference's; small swings only.
+    pub period: Option<f64>,
+    /// Amplitude at the end over the reference's; small swings only.
+    pub amplitude: Option<f64>,
+}
+
+impl Record {
+    /// The number that stands for the strain of a run.
+    pub fn strain_of(&self, case: &Case) -> f64 {
+        let from = if case.judged == Judged::Rest { self.strain.len().saturating_sub(LAST) } else { 0 };
+        self.strain[from..].iter().copied().fold(0.0, f64::max)
+    }
+
+    /// How this run differs from `truth`. `rest_energy` (J) is the energy at rest.
+    pub fn against(&self, truth: &Self, case: &Case, rest_energy: f64) -> Difference {
+        let strain_error = if case.judged == Judged::Rest {
+            let target = truth.strain_of(case);
+            let last = &self.strain[self.strain.len().saturating_sub(LAST)..];
+            last.iter().map(|strain| (strain - target).abs()).fold(0.0, f64::max)
+        } else {
+            (self.strain_of(case) - truth.strain_of(case)).abs()
+        };
+        let apart = || self.shape.iter().zip(&truth.shape).map(|(a, b)| a.distance_squared(*b));
+        let mut difference = Difference {
+            strain: self.strain_of(case),
+            strain_error,
+            strain_relative: strain_error / truth.strain_of(case),
+            shape_rms: 1e3 * (apart().sum::<f64>() / self.shape.len().max(1) as f64).sqrt(),
+            shape_max: 1e3 * apart().fold(0.0, f64::max).sqrt(),
+            ..Difference::default()
+        };
+        if case.scene.cloths.iter().all(|cloth| cloth.damping == Some(0.0)) {
+            let above = |record: &Self| record.energy.last().map(|energy| energy - rest_energy);
+            difference.energy_left = above(self).zip(above(truth)).map(|(of, other)| of / other);
+            let start = self.energy.first().map(|energy| energy - rest_energy);
+            let most = self.energy.iter().map(|energy| energy - rest_energy).fold(0.0, f64::max);
+            difference.energy_most = start.map(|start| most / start);
+        }
+        if case.judged == Judged::Swing {
+            let [of, other] = [self, truth].map(|record| record.swing(f64::from(case.scene.rate)));
+            difference.period = of.zip(other).map(|(of, other)| of.0 / other.0);
+            difference.amplitude = of.zip(other).map(|(of, other)| of.1 / other.1);
+        }
+        difference
+    }
+
+    /// Period, s, and amplitude at the end, m, of a small swing.
+    pub fn swing(&self, rate: f64) -> Option<(f64, f64)> {
+        let whole = sinusoid(&self.tip, 1.0 / rate)?;
+        let last = &self.tip[self.tip.len().saturating_sub((LAST_SWING * rate) as usize)..];
+        Some((whole.period, sinusoid(last, 1.0 / rate)?.amplitude))
+    }
+}

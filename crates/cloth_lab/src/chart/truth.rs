@@ -1,0 +1,125 @@
+//! The reference's run of each case.
+
+use std::f64::consts::PI;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use indicatif::ProgressBar;
+
+use super::case::{Case, Judged};
+use super::record::Record;
+use crate::reference::{Motion, Sheet, highest_frequency, rest};
+
+/// Threads that references are computed on.
+const THREADS: usize = 2;
+/// Parts of the stability limit that steps are.
+const PARTS: [f64; 2] = [0.25, 0.125];
+/// How far out of its plane a sheet that may fold starts towards rest, m: flat, it would stay flat.
+const BULGE: f64 = 0.01;
+
+/// The reference's run of a case.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// What it gave, in the smaller steps.
+    pub record: Record,
+    /// Where a case that is judged at rest starts.
+    pub start: Option<Vec<DVec3>>,
+    /// Energy of hanging at rest, J; of cases without friction.
+    pub rest_energy: f64,
+    /// How sure it is, in words.
+    pub convergence: String,
+    /// Difference of the two step lengths: largest strain (absolute) and shape, mm (rms); for rest the residual, in
+    /// weights, and 0.
+    pub spread: (f64, f64),
+}
+
+/// The reference's run of every case, computed on two threads.
+pub fn truths(cases: &[Case], bar: &ProgressBar) -> Vec<Option<Truth>> {
+    let next = AtomicUsize::new(0);
+    let found: Vec<Mutex<Option<Truth>>> = cases.iter().map(|_| Mutex::new(None)).collect();
+    // The longest first.
+    let mut order: Vec<usize> = (0..cases.len()).collect();
+    order.sort_by_key(|i| std::cmp::Reverse((cases[*i].judged != Judged::Rest, cases[*i].ticks())));
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| {
+                while let Some(index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let truth = truth(&cases[*index]);
+                    if let Ok(mut slot) = found[*index].lock() {
+                        *slot = truth;
+                    }
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    found.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
+}
+
+/// The reference's run of one case; `None` for a scene that it does not know.
+pub fn truth(case: &Case) -> Option<Truth> {
+    let sheet = Sheet::from_scene(&case.scene, case.offset())?;
+    if case.judged == Judged::Rest { Some(at_rest(case, &sheet)) } else { Some(in_motion(case, &sheet)) }
+}
+
+fn at_rest(case: &Case, sheet: &Sheet) -> Truth {
+    let bulge = |p: &DVec3| *p + DVec3::Z * BULGE * (PI * p.x).cos() * (0.5 - p.y);
+    // Hung by its whole top edge a sheet stays flat.
+    let may_fold = sheet.pinned.iter().filter(|pinned| **pinned).count() < sheet.columns
+        || !case.scene.cloths[0].weights.is_empty();
+    let from = sheet.flat.iter().map(|p| if may_fold { bulge(p) } else { *p }).collect();
+    let rest = rest(sheet, from);
+    let strain = sheet.largest_strain(&rest.x);
+    Truth {
+        record: Record { strain: vec![strain], shape: rest.x.clone(), ..Record::default() },
+        rest_energy: sheet.potential_energy(&rest.x),
+        convergence: format!("{} Newton steps, residual {:.1e} of the weight", rest.steps, rest.residual),
+        spread: (rest.residual, 0.0),
+        start: Some(rest.x),
+    }
+}
+
+fn in_motion(case: &Case, sheet: &Sheet) -> Truth {
+    let limit = 2.0 / highest_frequency(sheet, &sheet.flat);
+    let [coarse, fine] = PARTS.map(|part| play(case, sheet, part * limit));
+    let hung = sheet.pinned.iter().any(|pinned| *pinned) && sheet.damping == 0.0;
+    let rest_energy = if hung { sheet.potential_energy(&hanging(sheet)) } else { 0.0 };
+    let apart = coarse.against(&fine, case, rest_energy);
+    Truth {
+        convergence: format!(
+            "steps of {:.2e} s and {:.2e} s differ by {:.1e} of the largest strain, {:.2e} mm in shape",
+            PARTS[0] * limit,
+            PARTS[1] * limit,
+            apart.strain_relative,
+            apart.shape_rms
+        ),
+        spread: (apart.strain_error, apart.shape_rms),
+        record: fine,
+        start: None,
+        rest_energy,
+    }
+}
+
+/// The sheet hanging straight down from its top edge, unstretched, in its own frame.
+fn hanging(sheet: &Sheet) -> Vec<DVec3> {
+    let down = sheet.gravity.normalize_or_zero();
+    let top = sheet.flat.first().map_or(0.0, |p| p.y);
+    sheet.flat.iter().map(|p| DVec3::new(p.x, top, 0.0) + down * (top - p.y)).collect()
+}
+
+fn play(case: &Case, sheet: &Sheet, h: f64) -> Record {
+    let mut motion = Motion::new(sheet, sheet.flat.clone(), vec![DVec3::ZERO; sheet.flat.len()]);
+    let mut record = Record { energy: vec![motion.energy()], ..Record::default() };
+    let tip = (sheet.rows - 1) * sheet.columns + sheet.columns / 2;
+    for tick in 1..=case.ticks() {
+        motion.advance(1.0 / f64::from(case.scene.rate), h);
+        record.strain.push(sheet.largest_strain(&motion.x));
+        record.tip.push(motion.x[tip].z);
+        record.energy.push(motion.energy());
+        if tick == case.shape_tick() {
+            record.shape.clone_from(&motion.x);
+        }
+    }
+    record
+}

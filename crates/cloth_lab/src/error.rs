@@ -5,6 +5,12 @@ use std::path::PathBuf;
 /// Why a command of the lab stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
+    /// Checks that the default method claims failed.
+    #[error("the default method fails {failed} of the checks it claims")]
+    Failed {
+        /// How many.
+        failed: usize,
+    },
     /// A file could not be read or written.
     #[error("{path}: {error}", path = path.display())]
     File {

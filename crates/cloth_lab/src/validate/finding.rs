@@ -1,0 +1,171 @@
+//! What a check finds, and the verdict.
+
+use cloth_scene::Scene;
+use cloth_solver::{Method, Tick};
+
+use crate::plot::Figure;
+use crate::report::number;
+
+/// How far a value may be from what is expected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// By this part of the expectation.
+    Relative(f64),
+    /// By this much.
+    Absolute(f64),
+    /// It may not be larger.
+    AtMost,
+    /// It may not be smaller.
+    AtLeast,
+}
+
+/// What is said of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within its tolerance.
+    Pass,
+    /// Beyond it, and the method claims it.
+    Fail,
+    /// Beyond it, and the method does not claim it.
+    ByNature,
+}
+
+impl Verdict {
+    /// As it stands in the table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "**FAIL**",
+            Self::ByNature => "fails by nature",
+        }
+    }
+}
+
+/// One value against what is known of it.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// Which check found it.
+    pub check: &'static str,
+    /// What was measured, with its circumstances and unit.
+    pub quantity: String,
+    /// The method it was measured with; `None` where no method takes part.
+    pub method: Option<Method>,
+    /// What was measured.
+    pub value: f64,
+    /// What is known.
+    pub expected: f64,
+    /// How far the two may be apart.
+    pub bound: Bound,
+    /// Whether the method claims it.
+    pub claimed: bool,
+}
+
+impl Finding {
+    /// The verdict; a value that is not finite fails.
+    pub fn verdict(&self) -> Verdict {
+        let apart = (self.value - self.expected).abs();
+        let within = match self.bound {
+            Bound::Relative(part) => apart <= part * self.expected.abs(),
+            Bound::Absolute(much) => apart <= much,
+            Bound::AtMost => self.value <= self.expected,
+            Bound::AtLeast => self.value >= self.expected,
+        };
+        match (within, self.claimed) {
+            (true, _) => Verdict::Pass,
+            (false, true) => Verdict::Fail,
+            (false, false) => Verdict::ByNature,
+        }
+    }
+
+    /// Its error, as the table tells it.
+    pub fn error(&self) -> String {
+        match self.bound {
+            Bound::Relative(_) => format!("{} %", number(100.0 * (self.value / self.expected - 1.0), 2)),
+            Bound::Absolute(_) => number(self.value - self.expected, 2),
+            Bound::AtMost | Bound::AtLeast => String::new(),
+        }
+    }
+
+    /// Its tolerance, as the table tells it.
+    pub fn tolerance(&self) -> String {
+        match self.bound {
+            Bound::Relative(part) => format!("± {} %", number(100.0 * part, 2)),
+            Bound::Absolute(much) => format!("± {}", number(much, 2)),
+            Bound::AtMost => "at most".into(),
+            Bound::AtLeast => "at least".into(),
+        }
+    }
+}
+
+/// Findings and pictures as they come in, and what the checks are run with.
+#[derive(Debug)]
+pub struct Bench {
+    /// Whether to take fewer points and shorter runs.
+    pub quick: bool,
+    /// The methods asked for.
+    pub methods: Vec<Method>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// Pictures, by the stem of their files.
+    pub figures: Vec<(&'static str, Figure)>,
+}
+
+impl Bench {
+    /// Those of `candidates` that are asked for, and the default whether it is among them or not; each once.
+    pub fn with_default(&self, candidates: &[Method]) -> Vec<Method> {
+        let wanted = |method: &Method| *method == Method::default() || candidates.contains(method);
+        self.methods.iter().copied().filter(wanted).collect()
+    }
+
+    /// Those of `candidates` that are asked for.
+    pub fn only(&self, candidates: &[Method]) -> Vec<Method> {
+        self.methods.iter().copied().filter(|method| candidates.contains(method)).collect()
+    }
+
+    /// Adds a finding that the method claims.
+    pub fn claim(
+        &mut self,
+        check: &'static str,
+        quantity: impl Into<String>,
+        method: Method,
+        value: f64,
+        expected: f64,
+        bound: Bound,
+    ) {
+        let quantity = quantity.into();
+        self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed: true });
+    }
+
+    /// Adds a finding about statics: stiffness and shape at rest, which methods whose stiffness depends on the step do
+    /// not claim.
+    pub fn at_rest(
+        &mut self,
+        check: &'static str,
+        quantity: impl Into<String>,
+        method: Method,
+        value: f64,
+        expected: f64,
+        bound: Bound,
+    ) {
+        let claimed = method == Method::default() || !matches!(method, Method::Pbd | Method::XpbdSweeps);
+        let quantity = quantity.into();
+        self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed });
+    }
+}
+
+/// Methods that hold cloth in shape at the budget of a game: what statics are checked with.
+pub const STATIC: &[Method] =
+    &[Method::XpbdLines, Method::XpbdSweeps, Method::ImplicitEuler, Method::ProjectiveDynamics, Method::Pbd];
+
+/// The tick that a method is checked at: the default's own budget for the default, for the others one of about its cost.
+pub fn budget(method: Method) -> Tick {
+    let scene = Scene::default();
+    let (substeps, iterations) = if method == Method::default() {
+        (scene.substeps, scene.iterations)
+    } else if matches!(method, Method::ImplicitEuler | Method::ProjectiveDynamics) {
+        (10, 2)
+    } else {
+        (10, 1)
+    };
+    Tick { dt: 1.0 / scene.rate, substeps, iterations }
+}

@@ -1,0 +1,116 @@
+//! Cloths to be measured, and how a swing is measured.
+
+use std::sync::Arc;
+
+use cloth_solver::constraint::{Pin, Pins};
+use cloth_solver::topology::{MeshSource, Resolution};
+use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Tick, Topology};
+use glam::{UVec2, Vec2, Vec3};
+
+/// Gravity of every check, m/s².
+pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// Its amount, m/s².
+pub const G: f64 = 9.81;
+
+/// A rectangle of `size` m and `cells`, in the xy plane.
+///
+/// # Errors
+/// A size, a number of cells or a fabric out of range.
+pub fn rectangle(size: [f32; 2], cells: [u32; 2], fabric: &Fabric, method: Method) -> Result<Cloth, ClothError> {
+    let topology = Topology::rectangle(Vec2::from(size), Resolution::Cells(UVec2::from(cells)))?;
+    let mut cloth = Cloth::new(Arc::new(topology), fabric)?;
+    cloth.set_method(method);
+    Ok(cloth)
+}
+
+/// A mesh of `positions`, m, whose weft runs along x and whose warp along y at rest.
+///
+/// # Errors
+/// What is wrong with the mesh or the fabric.
+pub fn mesh(positions: &[Vec3], triangles: &[[u32; 3]], fabric: &Fabric, method: Method) -> Result<Cloth, ClothError> {
+    let uvs: Vec<Vec2> = positions.iter().map(|p| p.truncate()).collect();
+    let indices: Vec<u32> = triangles.iter().flatten().copied().collect();
+    let topology = Topology::from_mesh(MeshSource { positions, uvs: &uvs, indices: &indices })?;
+    let mut cloth = Cloth::new(Arc::new(topology), fabric)?;
+    cloth.set_method(method);
+    Ok(cloth)
+}
+
+/// Moves every particle from its rest position to where `place` says, at rest.
+pub fn put(cloth: &mut Cloth, place: impl Fn(Vec3) -> Vec3) {
+    for slot in 0..cloth.topology.slots() {
+        let to = place(cloth.topology.rest[slot]);
+        cloth.particles.position.set(slot, to);
+        cloth.particles.previous.set(slot, to);
+    }
+}
+
+/// Pins the particles whose rest position is `held`, where they are.
+///
+/// # Errors
+/// None on a cloth that [`rectangle`] or [`mesh`] made.
+pub fn hold(cloth: &mut Cloth, held: impl Fn(Vec3) -> bool) -> Result<(), ClothError> {
+    let pins = (cloth.topology.particles())
+        .filter(|slot| held(cloth.topology.rest[*slot as usize]))
+        .map(|particle| Pin { particle, frame: 0, local: cloth.particles.position.get(particle as usize) })
+        .collect();
+    cloth.constraints.set_pins(&mut cloth.particles, Pins { frames: vec![Motion::default()], pins })
+}
+
+/// Mean position of the particles whose rest position is `chosen`, m.
+pub fn mean(cloth: &Cloth, chosen: impl Fn(Vec3) -> bool) -> Vec3 {
+    let (sum, count) = (cloth.topology.particles().map(|slot| slot as usize))
+        .filter(|slot| chosen(cloth.topology.rest[*slot]))
+        .fold((Vec3::ZERO, 0.0), |(sum, count), slot| (sum + cloth.particles.position.get(slot), count + 1.0));
+    sum / count
+}
+
+/// Advances by `seconds` under `gravity`.
+pub fn run(cloth: &mut Cloth, tick: Tick, gravity: Vec3, seconds: f32) {
+    for _ in 0..(seconds / tick.dt).round() as u32 {
+        cloth.step(tick, gravity);
+    }
+}
+
+/// A sinusoid that grows or fades.
+#[derive(Clone, Copy, Debug)]
+pub struct Swing {
+    /// Hz.
+    pub frequency: f64,
+    /// Natural logarithm of the amplitude's growth per second, 1/s.
+    pub growth: f64,
+}
+
+/// The sinusoid in `samples` taken every `dt` s, whose frequency is about `guess` Hz: the best `p`, `q` of
+/// `x[n+k] = p x[n] + q x[n−k]`, with the lag k a quarter of a swing. It is exact for whatever a linear method makes of a
+/// harmonic oscillator.
+pub fn swing(samples: &[f64], dt: f64, guess: f64) -> Swing {
+    let lag = ((0.25 / (guess * dt)).round() as usize).max(1);
+    let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for n in lag..samples.len().saturating_sub(lag) {
+        let (x, y, z) = (samples[n], samples[n - lag], samples[n + lag]);
+        (xx, xy, yy, xz, yz) = (xx + x * x, xy + x * y, yy + y * y, xz + x * z, yz + y * z);
+    }
+    let determinant = xx * yy - xy * xy;
+    let (p, q) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
+    let amplitude = (-q).sqrt();
+    let angle = (0.5 * p / amplitude).clamp(-1.0, 1.0).acos();
+    let time = lag as f64 * dt;
+    Swing { frequency: angle / (core::f64::consts::TAU * time), growth: amplitude.ln() / time }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fading_sinusoid_is_recognised() {
+        let dt = 1.0 / 60.0;
+        let samples: Vec<f64> =
+            (0..300).map(|n| f64::from(n) * dt).map(|t| (-0.3 * t).exp() * (7.1 * t + 0.4).cos()).collect();
+        let found = swing(&samples, dt, 1.0);
+        assert!((found.frequency - 7.1 / core::f64::consts::TAU).abs() < 1e-9);
+        assert!((found.growth + 0.3).abs() < 1e-9);
+    }
+}

@@ -34,6 +34,9 @@ const MUCH: f32 = 5.0;
 
 /// The predictions for a scene, of the most demanding of its cloths each.
 pub fn predictions(scene: &Scene, full: &Recording) -> Vec<Prediction> {
+    if scene.cloths.is_empty() {
+        return Vec::new();
+    }
     let gravity = scene.gravity.length();
     let largest = |of: &dyn Fn(&SceneCloth) -> f32| scene.cloths.iter().map(of).fold(0.0, f32::max);
     let smallest = |of: &dyn Fn(&SceneCloth) -> f32| scene.cloths.iter().map(of).fold(f32::INFINITY, f32::min);

@@ -73,10 +73,10 @@ fn advice(args: &Args) -> Result<String, LabError> {
     let text = std::fs::read_to_string(path).map_err(|error| LabError::File { path: path.clone(), error })?;
     let mut scene = Scene::from_ron(&text).map_err(refused)?;
     scene.seconds = args.seconds.unwrap_or(scene.seconds);
+    scene.validate().map_err(refused)?;
     if args.quick {
         scene.seconds = scene.seconds.min(QUICK_SECONDS);
     }
-    scene.validate().map_err(refused)?;
     let settings = Settings { tolerance: args.tolerance, quick: args.quick };
     let bar = progress::bar(1);
     let full = Full::new(&scene, settings, &bar).map_err(refused)?;

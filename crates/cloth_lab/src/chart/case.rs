@@ -17,7 +17,8 @@ const BALL: f32 = 0.25;
 pub enum Judged {
     /// Rest, from the reference's rest on: largest strain over the last half second, shape at the end.
     Rest,
-    /// A motion: largest strain of the whole of it, shape after [`Case::shape_at`], before it becomes chaotic.
+    /// A motion: largest strain and shape for as long as the reference is sure of itself. Wrinkles grow from rounding to
+    /// centimetres within tenths of a second; beyond, no two runs agree.
     Motion,
     /// A small swing: its period and what is left of its amplitude too.
     Swing,
@@ -32,8 +33,6 @@ pub struct Case {
     pub scene: Scene,
     /// What is compared.
     pub judged: Judged,
-    /// When shapes are compared, s after the start.
-    pub shape_at: f32,
 }
 
 /// The names of all cases, in their order.
@@ -62,9 +61,9 @@ fn case(name: &'static str, cells: u32) -> Case {
     let turned = |degrees| ScenePlace { turn: Vec3::X * degrees, ..ScenePlace::default() };
     let swung = |degrees| SceneCloth { place: turned(degrees), damping: Some(0.0), ..hung(ScenePins::Top) };
     let scene = |cloth, seconds| Scene { title: name.into(), seconds, cloths: vec![cloth], ..Scene::default() };
-    let (scene, judged, shape_at) = match name {
-        "corner-hung" => (scene(hung(ScenePins::Corners), 3.0), Judged::Rest, 3.0),
-        "swing" => (scene(swung(90.0), 2.0), Judged::Motion, 0.5),
+    let (scene, judged) = match name {
+        "corner-hung" => (scene(hung(ScenePins::Corners), 3.0), Judged::Rest),
+        "swing" => (scene(swung(90.0), 2.0), Judged::Motion),
         "drape" => {
             // Just above it, and not so even that any fold is as good as its mirror image.
             let at = Vec3::new(0.03, -BALL - 0.012, 0.02);
@@ -72,28 +71,23 @@ fn case(name: &'static str, cells: u32) -> Case {
             let shape = SceneShape::Sphere { radius: BALL };
             let ball = SceneCollider { name: "ball".into(), shape, place, friction: None };
             let lying = SceneCloth { place: turned(-90.0), ..cloth.clone() };
-            (Scene { colliders: vec![ball], ..scene(lying, 0.6) }, Judged::Motion, 0.4)
+            (Scene { colliders: vec![ball], ..scene(lying, 0.6) }, Judged::Motion)
         }
-        "weight" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Top) }, 3.0), Judged::Rest, 3.0),
+        "weight" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Top) }, 3.0), Judged::Rest),
         "flag" => {
             let fabric = SceneFabric::Preset("Flag, knitted polyester".into());
             let flag = SceneCloth { fabric, pins: vec![ScenePins::Left], ..cloth.clone() };
             let wind = Vec3::new(6.0, 0.0, 0.5);
-            (Scene { air: Some(Air::default()), wind, ..scene(flag, 0.5) }, Judged::Motion, 0.5)
+            (Scene { air: Some(Air::default()), wind, ..scene(flag, 0.5) }, Judged::Motion)
         }
-        "small-swing" => (scene(swung(5.0), 5.0), Judged::Swing, 5.0),
-        "weight-corners" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Corners) }, 3.0), Judged::Rest, 3.0),
-        _ => (scene(hung(ScenePins::Top), 3.0), Judged::Rest, 3.0),
+        "small-swing" => (scene(swung(5.0), 5.0), Judged::Swing),
+        "weight-corners" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Corners) }, 3.0), Judged::Rest),
+        _ => (scene(hung(ScenePins::Top), 3.0), Judged::Rest),
     };
-    Case { name, scene, judged, shape_at }
+    Case { name, scene, judged }
 }
 
 impl Case {
-    /// The tick after which shapes are compared, from 1.
-    pub fn shape_tick(&self) -> usize {
-        (self.shape_at * self.scene.rate).round().max(1.0) as usize
-    }
-
     /// Number of ticks.
     pub fn ticks(&self) -> usize {
         (self.scene.seconds * self.scene.rate).round().max(1.0) as usize

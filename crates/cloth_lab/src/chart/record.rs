@@ -19,15 +19,17 @@ pub struct Record {
     pub tip: Vec<f64>,
     /// Kinetic, elastic and gravitational energy, J; the first entry is from before the first tick.
     pub energy: Vec<f64>,
-    /// All positions when shapes are compared, row by row, m.
+    /// All positions at the end of the time that is compared, row by row, m.
     pub shape: Vec<DVec3>,
 }
 
 /// How a run differs from the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Difference {
-    /// Largest strain of the run.
+    /// Largest strain within the time that is compared.
     pub strain: f64,
+    /// Largest strain of the whole run.
+    pub strain_of_run: f64,
     /// Absolute difference of the largest strain.
     pub strain_error: f64,
     /// The same over the reference's strain.
@@ -47,26 +49,29 @@ pub struct Difference {
 }
 
 impl Record {
-    /// The number that stands for the strain of a run.
-    pub fn strain_of(&self, case: &Case) -> f64 {
-        let from = if case.judged == Judged::Rest { self.strain.len().saturating_sub(LAST) } else { 0 };
-        self.strain[from..].iter().copied().fold(0.0, f64::max)
+    /// Largest strain: at rest that of the last half second, in motion that of the first `until` ticks.
+    pub fn strain_of(&self, case: &Case, until: usize) -> f64 {
+        let count = self.strain.len();
+        let compared =
+            if case.judged == Judged::Rest { count.saturating_sub(LAST)..count } else { 0..until.min(count) };
+        self.strain[compared].iter().copied().fold(0.0, f64::max)
     }
 
-    /// How this run differs from `truth`. `rest_energy` (J) is the energy at rest.
-    pub fn against(&self, truth: &Self, case: &Case, rest_energy: f64) -> Difference {
+    /// How this run differs from `truth` over the first `until` ticks. `rest_energy` (J) is the energy at rest.
+    pub fn against(&self, truth: &Self, case: &Case, until: usize, rest_energy: f64) -> Difference {
         let strain_error = if case.judged == Judged::Rest {
-            let target = truth.strain_of(case);
+            let target = truth.strain_of(case, until);
             let last = &self.strain[self.strain.len().saturating_sub(LAST)..];
             last.iter().map(|strain| (strain - target).abs()).fold(0.0, f64::max)
         } else {
-            (self.strain_of(case) - truth.strain_of(case)).abs()
+            (self.strain_of(case, until) - truth.strain_of(case, until)).abs()
         };
         let apart = || self.shape.iter().zip(&truth.shape).map(|(a, b)| a.distance_squared(*b));
         let mut difference = Difference {
-            strain: self.strain_of(case),
+            strain: self.strain_of(case, until),
+            strain_of_run: self.strain.iter().copied().fold(0.0, f64::max),
             strain_error,
-            strain_relative: strain_error / truth.strain_of(case),
+            strain_relative: strain_error / truth.strain_of(case, until),
             shape_rms: 1e3 * (apart().sum::<f64>() / self.shape.len().max(1) as f64).sqrt(),
             shape_max: 1e3 * apart().fold(0.0, f64::max).sqrt(),
             ..Difference::default()

@@ -168,7 +168,7 @@ pub fn run(case: &Case, truth: &Truth, method: Method, setting: Setting, limit: 
         if case.judged != Judged::Rest {
             record.energy.push(energy(cloth));
         }
-        if tick == case.shape_tick() {
+        if tick == truth.until {
             record.shape = positions(cloth);
         }
         if tick > WARM_UP && began.elapsed().as_secs_f64() / tick as f64 * ticks as f64 > limit {
@@ -185,6 +185,7 @@ pub fn run(case: &Case, truth: &Truth, method: Method, setting: Setting, limit: 
     point.minimum = timed[0] * rate;
     point.median = timed[timed.len() / 2] * rate;
     point.per_constraint = 1e9 * timed[timed.len() / 2] / solves;
-    point.outcome = outcome.unwrap_or_else(|| Outcome::Ok(record.against(&truth.record, case, truth.rest_energy)));
+    point.outcome =
+        outcome.unwrap_or_else(|| Outcome::Ok(record.against(&truth.record, case, truth.until, truth.rest_energy)));
     point
 }

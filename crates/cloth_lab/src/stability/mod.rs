@@ -1,0 +1,96 @@
+//! Maps of where methods fail: step length and stiffness, substeps and mass ratio, substeps and mesh size.
+
+mod maps;
+mod trial;
+mod verdict;
+mod write;
+
+use clap::Args as ClapArgs;
+use cloth_solver::Method;
+use glam::{UVec2, Vec2};
+
+use crate::report::Output;
+use crate::{LabError, chart, progress};
+
+pub use maps::{Edge, Entry, Kind, map};
+pub use trial::{Subject, Trial, limit};
+pub use verdict::{Seen, Verdict, play};
+
+/// Parts of the theoretical limit at which the edge is checked.
+const PARTS: [f64; 2] = [0.95, 1.05];
+
+/// Arguments.
+#[derive(ClapArgs, Debug)]
+pub struct Args {
+    /// Takes less than two minutes: coarser maps, smaller meshes, at most 0.04 s for a run.
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    output: Output,
+    /// Methods to map, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', value_parser = chart::method, value_name = "LIST")]
+    pub methods: Vec<Method>,
+    /// Maps to draw, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', value_parser = kind, value_name = "LIST")]
+    pub scenes: Vec<Kind>,
+}
+
+/// The map of that name.
+fn kind(name: &str) -> Result<Kind, String> {
+    Kind::ALL
+        .into_iter()
+        .find(|kind| kind.file() == name)
+        .ok_or_else(|| format!("no such map; there are {}", Kind::ALL.map(Kind::file).join(", ")))
+}
+
+/// A method with a limit, just below it and just above.
+#[derive(Clone, Debug)]
+pub struct Check {
+    /// The method.
+    pub method: Method,
+    /// What swings.
+    pub subject: &'static str,
+    /// The limit, s.
+    pub limit: f64,
+    /// How it held at 0.95 and at 1.05 of it.
+    pub verdicts: [Verdict; 2],
+}
+
+/// Tries every method that has a limit at 0.95 and 1.05 of it: on a single spring of about 1 Hz and on a sheet.
+pub fn checks(methods: &[Method]) -> Vec<Check> {
+    // A strip of one cell is two springs side by side: with ½ Y w/l each and a quarter of its mass, ω² = 2 Y / (σ l²).
+    let spring = Subject::swing(Vec2::ONE, UVec2::ONE, 3.0);
+    let sheet = Subject::swing(Vec2::ONE, UVec2::splat(8), 5500.0);
+    let subjects = [("one cell, 1 Hz", spring), ("8 × 8 cells", sheet)];
+    let with_limit = methods.iter().filter(|method| **method != Method::ExplicitEuler);
+    with_limit
+        .flat_map(|method| subjects.iter().map(move |subject| (method, subject)))
+        .filter_map(|(method, (name, subject))| {
+            let limit = limit(*method, 1)? / subject.frequency;
+            let held = |part: f64| play(&subject.steps_of(*method, 1, part * limit, 3000), 10.0).verdict();
+            Some(Check { method: *method, subject: name, limit, verdicts: PARTS.map(held) })
+        })
+        .collect()
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A file that could not be written.
+pub fn run(args: &Args) -> Result<(), LabError> {
+    let methods = chart::methods(&args.methods);
+    let wall = if args.quick { 0.04 } else { 0.6 };
+    let kinds: Vec<Kind> = if args.scenes.is_empty() { Kind::ALL.to_vec() } else { args.scenes.clone() };
+    let bar = progress::bar(maps::count(methods.len(), args.quick));
+    let (mut entries, mut edges) = (Vec::new(), Vec::new());
+    for kind in &kinds {
+        let (of_map, of_theory) = map(*kind, &methods, args.quick, wall, &bar);
+        entries.extend(of_map);
+        edges.extend(of_theory);
+    }
+    bar.finish_and_clear();
+    let found = write::Found { kinds: &kinds, methods: &methods, entries: &entries, edges: &edges };
+    write::write(&found, &checks(&methods), args.quick, &args.output)?;
+    println!("{} runs; results in {}", entries.len(), args.output.out.display());
+    Ok(())
+}

@@ -42,21 +42,16 @@ pub(crate) struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    /// Solves all cells once.
+    /// Solves all cells once, every second cell of sixteen at a time, colour by colour.
+    // No closure here: it would be compiled without the instruction set that `solve` is dispatched to.
     #[inline(always)]
     pub fn solve<S: Simd>(self, simd: S, position: &Soa3, moved: &mut Soa3) {
-        self.each_eight(|at| self.solve_eight(simd, position, moved, at));
-    }
-
-    /// Calls `act` for every second cell of sixteen with the slot of the first of them, colour by colour.
-    #[inline(always)]
-    fn each_eight(self, mut act: impl FnMut(usize)) {
         let (stride, rows) = (self.grid.stride as usize, self.grid.rows as usize);
         for parity in 0..2 {
             for row in (parity..rows - 1).step_by(2) {
                 for column in (0..self.grid.columns as usize - 1).step_by(2 * LANES) {
                     for odd in 0..2 {
-                        act(row * stride + column + odd);
+                        self.solve_eight(simd, position, moved, row * stride + column + odd);
                     }
                 }
             }
@@ -144,12 +139,7 @@ impl<S: Simd> ShearGradient<S> {
         let along = now.g11.dot(now.g11) + now.g10.dot(now.g10);
         let near = (across - along).abs().simd_lt(along * splat(simd, 0.05));
         let keep = near & now.value.abs().simd_lt(splat(simd, 0.3));
-        let choose = |a: Vec3x8<S>, b: Vec3x8<S>| Vec3x8 {
-            x: keep.select(a.x, b.x),
-            y: keep.select(a.y, b.y),
-            z: keep.select(a.z, b.z),
-        };
-        Self { value: now.value, g11: choose(self.g11, now.g11), g10: choose(self.g10, now.g10) }
+        Self { value: now.value, g11: self.g11.or(now.g11, keep), g10: self.g10.or(now.g10, keep) }
     }
 
     /// 1/(Σ w |∇C|² + α̃).

@@ -37,6 +37,17 @@ impl Grab {
         }
     }
 
+    /// Adds the pull of the spring at `position` to `force`, N, for methods that step forces. `t` is the part of the tick
+    /// that has passed.
+    pub(crate) fn add_force(&self, position: &crate::Soa3, force: &mut crate::Soa3, t: f32) {
+        let slots = self.particles.map(|p| p as usize);
+        let held: Vec3 = (0..3).map(|i| position.get(slots[i]) * self.weights[i]).sum();
+        let pull = ((self.from.lerp(self.to, t) - held) * self.stiffness).clamp_length_max(self.max_force);
+        for i in 0..3 {
+            force.set(slots[i], force.get(slots[i]) + pull * self.weights[i]);
+        }
+    }
+
     /// One implicit Euler step of a critically damped spring between the held point and its target, whose pull is cut
     /// off at `max_force`.
     pub(crate) fn apply(&self, particles: &mut Particles, sub: &Substep) {

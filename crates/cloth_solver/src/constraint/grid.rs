@@ -5,6 +5,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells};
 use super::lines::{self, Block, Elimination, Rows};
+use super::sweep;
 use crate::lanes::{LANES, load, splat};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
@@ -18,12 +19,12 @@ const _: () = assert!(STATIC_LOAD > lines::EXPLICIT_LOAD);
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
 #[derive(Clone, Debug)]
 pub(super) struct GridConstraints {
-    grid: Grid,
+    pub grid: Grid,
     pub fabric: Fabric,
     cell_mask: Vec<f32>,
     /// 1 inside, ½ for the outermost rows and columns, which stand for half the width; per row and per column slot.
-    row_width: Vec<f32>,
-    column_width: Vec<f32>,
+    pub row_width: Vec<f32>,
+    pub column_width: Vec<f32>,
     rows_position: Soa3,
     rows_inverse_mass: Vec<f32>,
     rows_moved: Soa3,
@@ -107,9 +108,48 @@ impl GridConstraints {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)
     }
 
+    /// Swept in colours: of XPBD once, of PBD, which knows no compliance, as often as asked.
+    #[inline(always)]
+    pub fn sweep<S: Simd>(&mut self, simd: S, particles: &mut Particles, how: Sweep) {
+        let model = match how {
+            Sweep::Compliant { h } => self.cell_model(h),
+            Sweep::Rigid => CellModel { shear: (self.fabric.shear > 0.0).then_some(0.0), twist: None },
+        };
+        self.solve_cells(simd, particles, model);
+        let (rows, block) = (self.rows(), self.row_block());
+        for first in (0..rows.rows).step_by(LANES) {
+            gather(simd, &particles.position, &mut self.rows_position, rows, first);
+            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
+            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
+            let bends = self.fabric.bend_weft > 0.0;
+            let compliance = match how {
+                Sweep::Rigid => None,
+                Sweep::Compliant { h } => Some(Compliance {
+                    stretch: self.stretch_weft_compliance(simd, first, h),
+                    bend: if bends { Some(self.bend_weft_compliance(simd, first, h)) } else { None },
+                }),
+            };
+            let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
+            sweep_block(simd, block, x, moved, w, compliance);
+            scatter(simd, moved, &mut particles.moved, rows, first);
+        }
+        let Particles { position, moved, inverse_mass, .. } = particles;
+        for base in (0..self.grid.stride as usize).step_by(LANES) {
+            let bends = self.fabric.bend_warp > 0.0;
+            let compliance = match how {
+                Sweep::Rigid => None,
+                Sweep::Compliant { h } => Some(Compliance {
+                    stretch: self.stretch_warp_compliance(simd, base, h),
+                    bend: if bends { Some(self.bend_warp_compliance(simd, base, h)) } else { None },
+                }),
+            };
+            sweep_block(simd, self.column_block(base), position, moved, inverse_mass, compliance);
+        }
+    }
+
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
-        self.solve_cells(simd, particles, h);
+        self.solve_cells(simd, particles, self.cell_model(h));
         let weft = self.solve_rows(simd, particles, h);
         let warp = self.solve_columns(simd, particles, h);
         if weft > lines::EXPLICIT_LOAD {
@@ -148,9 +188,8 @@ impl GridConstraints {
     }
 
     #[inline(always)]
-    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
+    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel) {
         let Particles { position, moved, inverse_mass, .. } = particles;
-        let model = self.cell_model(h);
         if model.shear.is_some() || model.twist.is_some() {
             Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position, moved);
         }
@@ -179,6 +218,20 @@ impl GridConstraints {
         Block { base, stride, count, spacing: self.grid.spacing.y }
     }
 
+    /// l/(Y width h²), for eight rows.
+    #[inline(always)]
+    fn stretch_weft_compliance<S: Simd>(&self, simd: S, first: usize, h: f32) -> f32x8<S> {
+        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
+        splat(simd, a / (self.fabric.stretch_weft * b * h * h)) / load(simd, &self.row_width, first)
+    }
+
+    /// l/(Y width h²), for eight columns.
+    #[inline(always)]
+    fn stretch_warp_compliance<S: Simd>(&self, simd: S, base: usize, h: f32) -> f32x8<S> {
+        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
+        splat(simd, b / (self.fabric.stretch_warp * a * h * h)) / load(simd, &self.column_width, base)
+    }
+
     /// l³/(D width h²), for eight rows.
     #[inline(always)]
     fn bend_weft_compliance<S: Simd>(&self, simd: S, first: usize, h: f32) -> f32x8<S> {
@@ -197,14 +250,12 @@ impl GridConstraints {
     #[inline(always)]
     fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
         let mut largest = splat(simd, 0.0);
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
         let (rows, block) = (self.rows(), self.row_block());
-        let stretch = splat(simd, a / (self.fabric.stretch_weft * b * h * h));
         for first in (0..rows.rows).step_by(LANES) {
             gather(simd, &particles.position, &mut self.rows_position, rows, first);
             gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
             lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
-            let stretch = stretch / load(simd, &self.row_width, first);
+            let stretch = self.stretch_weft_compliance(simd, first, h);
             let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
             let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
             if let Some(compliance) = bend {
@@ -222,8 +273,6 @@ impl GridConstraints {
     #[inline(always)]
     fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
         let mut largest = splat(simd, 0.0);
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        let stretch = splat(simd, b / (self.fabric.stretch_warp * a * h * h));
         let Particles { position, moved, inverse_mass, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
@@ -231,13 +280,57 @@ impl GridConstraints {
                 let compliance = self.bend_warp_compliance(simd, base, h);
                 lines::bend(simd, block, position, moved, inverse_mass, compliance, &mut self.elimination);
             }
-            let stretch = stretch / load(simd, &self.column_width, base);
+            let stretch = self.stretch_warp_compliance(simd, base, h);
             let lambda = links(&mut self.warp_lambda, block, base);
             let load_ratio =
                 lines::stretch(simd, block, position, moved, inverse_mass, stretch, lambda, &mut self.elimination);
             largest = largest.max(load_ratio);
         }
         largest.reduce_max()
+    }
+}
+
+/// How a grid is swept.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sweep {
+    /// With the fabric's compliance, in a substep of length `h`, s.
+    Compliant { h: f32 },
+    /// Without any: distances to neighbours, right angles, and distances to the neighbours but one against bending.
+    Rigid,
+}
+
+/// α̃ of eight runs; no bending if the fabric does not resist it.
+struct Compliance<S: Simd> {
+    stretch: f32x8<S>,
+    bend: Option<f32x8<S>>,
+}
+
+/// Sweeps eight runs, rigidly without compliance.
+#[inline(always)]
+fn sweep_block<S: Simd>(
+    simd: S,
+    block: Block,
+    position: &Soa3,
+    moved: &mut Soa3,
+    inverse_mass: &[f32],
+    compliance: Option<Compliance<S>>,
+) {
+    match compliance {
+        Some(Compliance { stretch, bend }) => {
+            if let Some(bend) = bend {
+                sweep::bend(simd, block, position, moved, inverse_mass, bend);
+            }
+            sweep::stretch(simd, block, position, moved, inverse_mass, stretch);
+        }
+        None => {
+            let rigid = splat(simd, 0.0);
+            for every_second in [block.every_second(0), block.every_second(1)] {
+                if every_second.count > 1 {
+                    sweep::stretch(simd, every_second, position, moved, inverse_mass, rigid);
+                }
+            }
+            sweep::stretch(simd, block, position, moved, inverse_mass, rigid);
+        }
     }
 }
 

@@ -60,8 +60,8 @@ impl Hinges {
 /// Σ w |∇C|².
 #[inline(always)]
 fn weight<S: Simd>(w: &[f32x8<S>; 4], gradient: &[Vec3x8<S>; 4]) -> f32x8<S> {
-    let term = |i: usize| w[i] * gradient[i].dot(gradient[i]);
-    term(0) + term(1) + term(2) + term(3)
+    let [a, b, c, d] = *gradient;
+    w[0] * a.dot(a) + w[1] * b.dot(b) + w[2] * c.dot(c) + w[3] * d.dot(d)
 }
 
 /// The dihedral angle, positive where the front faces turn away from each other, and its gradients. A hinge with a

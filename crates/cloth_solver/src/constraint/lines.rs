@@ -41,6 +41,23 @@ pub(crate) struct Block {
     pub spacing: f32,
 }
 
+impl Block {
+    /// Where the vector of the k-th particles starts.
+    pub const fn at(&self, k: usize) -> usize {
+        self.base + k * self.stride
+    }
+
+    /// Every second particle from the first (`0`) or second (`1`) on.
+    pub const fn every_second(&self, from: usize) -> Self {
+        Self {
+            base: self.base + from * self.stride,
+            stride: 2 * self.stride,
+            count: (self.count + 1 - from) / 2,
+            spacing: 2.0 * self.spacing,
+        }
+    }
+}
+
 /// What the exact solve of a block keeps between its two passes: eight lanes per particle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elimination {

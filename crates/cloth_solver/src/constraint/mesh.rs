@@ -2,6 +2,7 @@
 
 use fearless_simd::Simd;
 
+use super::force::MeshForces;
 use super::hinges::Hinges;
 use super::triangles::Triangles;
 use crate::{Fabric, Particles, Topology};
@@ -11,6 +12,7 @@ use crate::{Fabric, Particles, Topology};
 pub(super) struct MeshConstraints {
     triangles: Triangles,
     hinges: Option<Hinges>,
+    pub forces: MeshForces,
 }
 
 impl MeshConstraints {
@@ -19,6 +21,7 @@ impl MeshConstraints {
         let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
         Self {
             triangles: Triangles::new(topology, fabric, padding),
+            forces: MeshForces::new(topology, fabric),
             hinges: (bends && !topology.hinges.is_empty()).then(|| Hinges::new(topology, fabric, padding)),
         }
     }

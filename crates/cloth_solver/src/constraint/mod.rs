@@ -3,12 +3,14 @@
 mod batch;
 mod cells;
 mod damping;
+mod force;
 mod grab;
 mod grid;
 mod hinges;
 mod lines;
 mod mesh;
 mod pin;
+mod sweep;
 mod tether;
 mod triangles;
 
@@ -20,8 +22,8 @@ use fearless_simd::dispatch;
 use crate::cloth::Substep;
 use crate::lanes::LEVEL;
 use crate::method::Method;
-use crate::{ClothError, Fabric, Particles, Topology};
-use grid::GridConstraints;
+use crate::{ClothError, Fabric, Particles, Soa3, Topology};
+use grid::{GridConstraints, Sweep};
 use mesh::MeshConstraints;
 use tether::Tethers;
 
@@ -37,6 +39,8 @@ pub struct Constraints {
     /// Rate of internal friction, 1/s.
     damping: f32,
     method: Method,
+    /// Working memory of the methods that step forces.
+    pub(crate) explicit: crate::method::explicit::Scratch,
 }
 
 /// What keeps the fabric together.
@@ -137,6 +141,15 @@ impl Constraints {
         }
     }
 
+    /// Adds the forces of all energies at `position` to `force`, N.
+    pub(crate) fn add_forces(&self, position: &Soa3, force: &mut Soa3) {
+        match &self.surface {
+            Surface::Empty => {}
+            Surface::Grid(grid) => force::of_grid(grid, position, force),
+            Surface::Mesh(mesh) => mesh.forces.add(position, force),
+        }
+    }
+
     /// Gives pinned particles inverse mass 0, and those in a hand the hand's inertia too.
     pub(crate) fn take_hold(&self, particles: &mut Particles) {
         for pin in &self.pins.pins {
@@ -155,10 +168,24 @@ impl Constraints {
     /// Solves every constraint once, soft ones first, so that what is stiff is most exact.
     pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) {
         particles.load.fill(0.0);
-        match &mut self.surface {
-            Surface::Empty => {}
-            Surface::Grid(grid) => dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub.h)),
-            Surface::Mesh(mesh) => dispatch!(*LEVEL, simd => mesh.solve(simd, particles, sub.h)),
+        let compliant = Sweep::Compliant { h: sub.h };
+        match (&mut self.surface, self.method) {
+            (Surface::Empty, _) => {}
+            (Surface::Grid(grid), Method::XpbdSweeps) => {
+                dispatch!(*LEVEL, simd => grid.sweep(simd, particles, compliant));
+            }
+            (Surface::Grid(grid), Method::Pbd) => {
+                for _ in 0..sub.iterations {
+                    dispatch!(*LEVEL, simd => grid.sweep(simd, particles, Sweep::Rigid));
+                }
+            }
+            (Surface::Grid(grid), _) => dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub.h)),
+            (Surface::Mesh(mesh), Method::Pbd) => {
+                for _ in 0..sub.iterations {
+                    dispatch!(*LEVEL, simd => mesh.solve(simd, particles, f32::MAX.sqrt()));
+                }
+            }
+            (Surface::Mesh(mesh), _) => dispatch!(*LEVEL, simd => mesh.solve(simd, particles, sub.h)),
         }
         if let Some(tethers) = &self.tethers {
             tethers.solve(particles);

@@ -1,5 +1,6 @@
 //! Time-stepping methods, one file each, on the same fabric, topology and forces.
 
+pub(crate) mod explicit;
 pub mod xpbd;
 
 #[cfg(feature = "ecs")]
@@ -66,18 +67,34 @@ impl Method {
         }
     }
 
+    /// Whether it steps forces and therefore needs substeps shorter than the fabric's fastest vibration allows.
+    pub const fn steps_forces(self) -> bool {
+        matches!(self, Self::ExplicitEuler | Self::SymplecticEuler | Self::StormerVerlet | Self::RungeKutta4)
+    }
+
     /// Whether more than one iteration in a substep changes the result.
     pub const fn iterates(self) -> bool {
-        matches!(self, Self::ImplicitEuler | Self::Pbd | Self::XpbdSweeps | Self::ProjectiveDynamics)
+        matches!(self, Self::ImplicitEuler | Self::Pbd | Self::ProjectiveDynamics)
     }
 }
 
 /// First half of a substep: predicts positions from velocities and forces, and moves pinned particles along their frames.
 pub fn integrate(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
-    xpbd::integrate(particles, constraints, sub);
+    if constraints.method().steps_forces() {
+        explicit::begin(particles, constraints, sub);
+    } else {
+        xpbd::integrate(particles, constraints, sub);
+    }
 }
 
 /// Second half of a substep: the forces inside the cloth, and the velocities at its end.
 pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
-    xpbd::solve(particles, constraints, sub);
+    if constraints.method().steps_forces() {
+        explicit::step(particles, constraints, sub);
+    } else {
+        xpbd::solve(particles, constraints, sub);
+    }
+    if sub.end == 1.0 {
+        constraints.damp(particles, sub.h / (sub.end - sub.start));
+    }
 }

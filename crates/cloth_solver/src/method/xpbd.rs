@@ -29,9 +29,6 @@ pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Sub
 pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
     constraints.solve(particles, sub);
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));
-    if sub.end == 1.0 {
-        constraints.damp(particles, sub.h / (sub.end - sub.start));
-    }
 }
 
 /// Most by which a particle's inertia grows from one substep to the next. Grown at once, it made cloth in free flight gain

@@ -1,0 +1,60 @@
+//! The same constraints along straight runs, swept one after the other in colours instead of solved together: what plain
+//! XPBD and PBD do.
+
+use fearless_simd::{Simd, f32x8};
+
+use super::lines::Block;
+use crate::Soa3;
+use crate::lanes::{Vec3x8, load, splat};
+use fearless_simd::prelude::*;
+
+/// One sweep over the stretch constraints of each run, every second link and then the others. `compliance` is α̃, 1/kg.
+#[inline(always)]
+pub(super) fn stretch<S: Simd>(
+    simd: S,
+    block: Block,
+    position: &Soa3,
+    moved: &mut Soa3,
+    inverse_mass: &[f32],
+    compliance: f32x8<S>,
+) {
+    let (one, tiny, rest) = (splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE), splat(simd, block.spacing));
+    for colour in 0..2 {
+        for k in (colour..block.count - 1).step_by(2) {
+            let (a, b) = (block.at(k), block.at(k + 1));
+            let (from, to) = (Vec3x8::load(simd, moved, a), Vec3x8::load(simd, moved, b));
+            let edge = Vec3x8::load(simd, position, b) - Vec3x8::load(simd, position, a) + (to - from);
+            let (wa, wb) = (load(simd, inverse_mass, a), load(simd, inverse_mass, b));
+            let length = edge.length();
+            let pull = edge * ((length - rest) / ((wa + wb + compliance).max(tiny) * length.max(tiny)) * one);
+            (from + pull * wa).store(moved, a);
+            (to - pull * wb).store(moved, b);
+        }
+    }
+}
+
+/// One sweep over the bending constraints of each run, in three colours. `compliance` is l³/(D width h²), 1/kg.
+#[inline(always)]
+pub(super) fn bend<S: Simd>(
+    simd: S,
+    block: Block,
+    position: &Soa3,
+    moved: &mut Soa3,
+    inverse_mass: &[f32],
+    compliance: f32x8<S>,
+) {
+    let two = splat(simd, 2.0);
+    for colour in 1..4 {
+        for k in (colour..block.count.saturating_sub(1)).step_by(3) {
+            let slots = [block.at(k - 1), block.at(k), block.at(k + 1)];
+            let [d0, d1, d2] = slots.map(|at| Vec3x8::load(simd, moved, at));
+            let [x0, x1, x2] = slots.map(|at| Vec3x8::load(simd, position, at));
+            let [w0, w1, w2] = slots.map(|at| load(simd, inverse_mass, at));
+            let curl = (x1 - x0) - (x2 - x1) + ((d1 - d0) - (d2 - d1));
+            let push = curl * (splat(simd, 1.0) / (w0 + two * two * w1 + w2 + compliance));
+            (d0 + push * w0).store(moved, slots[0]);
+            (d1 - push * (two * w1)).store(moved, slots[1]);
+            (d2 + push * w2).store(moved, slots[2]);
+        }
+    }
+}

@@ -9,10 +9,7 @@ use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Pose, Topology};
 use glam::{Quat, UVec2, Vec2, Vec3};
 
 /// Internal friction in the scenes that are judged at rest, 1/s. A pose at rest does not depend on it.
-const SETTLING: f32 = 2.0;
-
-/// Amplitude of the crumple that keeps a sheet from standing on its edge without buckling, m.
-const CRUMPLE: f32 = 1e-3;
+const SETTLING: f32 = 5.0;
 
 /// A ball in the way.
 #[derive(Clone, Copy, Debug)]
@@ -59,51 +56,48 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// All scenes, for a sheet of `side` × `side` particles; those that come to rest are given `seconds` for it.
+    /// All scenes, for a sheet of `side` × `side` particles; those that come to rest are given `seconds` for it. They are
+    /// scenes of the chart, under the same names.
     pub fn all(side: usize, seconds: f32) -> Vec<Self> {
         let last = side - 1;
-        let top: Vec<usize> = (0..side).collect();
         let hung = Self {
             name: "top-hung",
             fabric: Fabric { damping: SETTLING, ..Fabric::COTTON_POPLIN },
             side,
             start: sheet(side, Quat::IDENTITY),
-            pins: top.clone(),
+            pins: (0..side).collect(),
             weight: None,
             ball: None,
             seconds,
             judged: Judged::AtRest,
         };
-        let corners = Self { name: "corner-hung", pins: vec![0, last], ..hung.clone() };
         let particle_mass = Fabric::COTTON_POPLIN.areal_density / (last * last) as f32;
-        let horizontal = sheet(side, Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
-        vec![
-            Self {
-                name: "weight on a corner",
-                weight: Some((side * side - 1, 1e3 * particle_mass)),
-                ..corners.clone()
-            },
-            Self {
-                name: "swing",
-                fabric: Fabric { damping: 0.0, ..Fabric::COTTON_POPLIN },
-                start: horizontal.clone(),
-                seconds: 2.0,
-                judged: Judged::Throughout,
-                ..hung.clone()
-            },
-            Self {
-                name: "drape on a ball",
-                start: horizontal,
-                pins: Vec::new(),
-                ball: Some(Ball { centre: Vec3::NEG_Y * 0.33, radius: 0.3, friction: Fabric::COTTON_POPLIN.friction }),
-                ..hung.clone()
-            },
-            hung,
-            corners,
-        ]
-        .into_iter()
-        .rev()
-        .collect()
+        let weight = Some((side * side - 1, 1e3 * particle_mass));
+        let corners = Self { name: "corner-hung", pins: vec![0, last], ..hung.clone() };
+        let swing = Self {
+            name: "swing",
+            fabric: Fabric { damping: 0.0, ..Fabric::COTTON_POPLIN },
+            start: sheet(side, Quat::from_rotation_x(core::f32::consts::FRAC_PI_2)),
+            seconds: 2.0,
+            judged: Judged::Throughout,
+            ..hung.clone()
+        };
+        let drape = Self {
+            name: "drape",
+            fabric: Fabric::COTTON_POPLIN,
+            start: sheet(side, Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2)),
+            pins: Vec::new(),
+            ball: Some(Ball {
+                centre: Vec3::new(0.03, -0.262, 0.02),
+                radius: 0.25,
+                friction: Fabric::COTTON_POPLIN.friction,
+            }),
+            seconds: 0.6,
+            ..swing.clone()
+        };
+        let weighed = Self { name: "weight", weight, ..hung.clone() };
+        let weighed_corners = Self { name: "weight-corners", weight, ..corners.clone() };
+        vec![hung, corners, weighed, weighed_corners, swing, drape]
     }
 
     /// Rest distance between neighbours, m.
@@ -148,13 +142,8 @@ impl Setup {
     }
 }
 
-/// Places of the particles of a slightly crumpled sheet around the origin, turned.
+/// Places of the particles of a flat sheet around the origin, turned.
 fn sheet(side: usize, turn: Quat) -> Vec<Vec3> {
     let part = |i: usize| i as f32 / (side - 1) as f32 - 0.5;
-    (0..side * side)
-        .map(|i| {
-            let crumple = if i < side { 0.0 } else { CRUMPLE * (i as f32 * 12.9898).sin() };
-            turn * Vec3::new(part(i % side), -part(i / side), crumple)
-        })
-        .collect()
+    (0..side * side).map(|i| turn * Vec3::new(part(i % side), -part(i / side), 0.0)).collect()
 }

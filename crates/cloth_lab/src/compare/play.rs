@@ -95,3 +95,44 @@ fn strains(topology: &Topology, particles: &mut Particles, positions: &[Vec3]) -
         .fold((0.0, 0.0), |(sum, count), (_, strain)| (sum + f64::from(strain.abs()), count + 1.0));
     (f64::from(measure::largest_strain(topology, particles)), sum / count)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sheet of a setup, all of it moved by `speed` m/s.
+    struct Carried {
+        places: Vec<Vec3>,
+        speed: f32,
+    }
+
+    impl Engine for Carried {
+        fn tick(&mut self) -> bool {
+            self.places.iter_mut().for_each(|place| place.x += self.speed / RATE);
+            true
+        }
+
+        fn positions(&self, out: &mut Vec<Vec3>) {
+            out.clone_from(&self.places);
+        }
+    }
+
+    fn carried(speed: f32, stretch: f32) -> Played {
+        let setup = &Setup::all(8, 1.0)[0];
+        let places = setup.start.iter().map(|p| *p * (1.0 + stretch)).collect();
+        play(setup, &mut Carried { places, speed }).unwrap()
+    }
+
+    #[test]
+    fn a_sheet_that_moves_as_it_is_keeps_its_strain() {
+        let played = carried(1.0, 0.02);
+        assert_eq!(played.outcome, Outcome::Ok);
+        assert!((played.largest - 0.02).abs() < 1e-5 && (played.mean - 0.02).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_sheet_that_flies_away_has_diverged() {
+        assert_eq!(carried(1e4, 0.0).outcome, Outcome::Diverged);
+        assert_eq!(carried(f32::NAN, 0.0).outcome, Outcome::Diverged);
+    }
+}

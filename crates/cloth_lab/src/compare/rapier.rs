@@ -172,3 +172,43 @@ fn surface(side: usize) -> Vec<[u32; 3]> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pull_along_a_thread_meets_the_stiffness_of_the_fabric() {
+        let setup = &Setup::all(8, 1.0)[0];
+        let (springs, _) = springs(setup);
+        let of = |ends: [usize; 2]| springs.iter().find(|s| s.ends == ends).map_or(0.0, |s| s.stiffness);
+        // Inside, from the second particle of the second row.
+        let (edge, diagonal) = (of([9, 10]), of([9, 18]));
+        let met = edge + diagonal - diagonal * diagonal / (edge + diagonal);
+        assert!((met / setup.fabric.stretch_weft - 1.0).abs() < 1e-5, "{met} N/m");
+        assert_eq!(of([0, 1]), 0.5 * edge);
+        assert_eq!(diagonal, setup.fabric.shear);
+    }
+
+    #[test]
+    fn no_spring_has_a_frequency_that_is_no_number() {
+        for setup in Setup::all(8, 1.0) {
+            let (springs, bends) = springs(&setup);
+            let masses = vec![1e-3; setup.side * setup.side];
+            for (_, softness) in softness(&setup, &masses, springs.iter().chain(&bends)) {
+                assert!(softness.natural_frequency > 0.0 && softness.natural_frequency.is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn the_sheet_hangs_under_its_top_edge() {
+        let setup = &Setup::all(6, 1.0)[0];
+        let mut engine = Rapier::new(setup, 10, 4).unwrap();
+        assert!((0..60).all(|_| engine.tick()));
+        let mut places = Vec::new();
+        engine.positions(&mut places);
+        let sunk = places.iter().zip(&setup.start).map(|(now, then)| then.distance(*now)).fold(0.0, f32::max);
+        assert!(sunk < 0.05, "{sunk} m");
+    }
+}

@@ -166,3 +166,30 @@ fn hinges(setup: &Setup) -> Result<std::collections::HashMap<[u32; 2], f32>, Str
 fn pair(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sheet_hangs_under_its_top_edge() {
+        let setup = &Setup::all(6, 1.0)[0];
+        for rigid in [false, true] {
+            let mut engine = RapierCloth::new(setup, 10, 4, rigid).unwrap();
+            assert!((0..60).all(|_| engine.tick()));
+            let mut places = Vec::new();
+            engine.positions(&mut places);
+            let sunk = places.iter().zip(&setup.start).map(|(now, then)| then.distance(*now)).fold(0.0, f32::max);
+            assert!(sunk < 0.05, "{sunk} m");
+        }
+    }
+
+    #[test]
+    fn every_inner_edge_of_the_mesh_bends_as_a_hinge_of_this_project() {
+        let setup = &Setup::all(6, 1.0)[0];
+        let hinges = hinges(setup).unwrap();
+        let mesh = ClothMesh::new(rest(setup), triangles(6)).unwrap();
+        assert_eq!(mesh.hinges().len(), hinges.len());
+        assert!(mesh.hinges().iter().all(|hinge| hinges.contains_key(&pair(hinge.vertices[0], hinge.vertices[1]))));
+    }
+}

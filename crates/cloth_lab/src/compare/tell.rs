@@ -163,24 +163,31 @@ pub fn figure(runs: &[Run]) -> Figure {
         title: (*scene).to_owned(),
         x: Axis::log("s per simulated s, one core"),
         y: Axis::log("error of largest strain"),
-        series: contestants
-            .iter()
-            .map(|by| {
-                let mut points: Vec<(f64, f64)> = runs
-                    .iter()
-                    .filter(|run| run.scene == *scene && run.by == *by)
-                    .map(|run| (run.played.cost, run.error))
-                    .collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                Series { label: by.name(), look: look(*by), stroke: Stroke::Marked, points }
-            })
-            .collect(),
+        series: contestants.iter().flat_map(|by| curve(runs, scene, *by)).collect(),
         ..Panel::default()
     });
     let panels: Vec<Panel> = panels.collect();
     let (columns, size) =
         if panels.len() > 1 { (2, (MANY.0, 290 * panels.len().div_ceil(2) as u32)) } else { (1, MANY) };
     Figure { title: "This project and other engines".into(), size, columns, panels, classes: Vec::new() }
+}
+
+/// All runs of one contestant as points, and a line through those that no cheaper run betters.
+fn curve(runs: &[Run], scene: &str, by: Contestant) -> [Series; 2] {
+    let mut points: Vec<(f64, f64)> = runs
+        .iter()
+        .filter(|run| run.scene == scene && run.by == by && run.error.is_finite())
+        .map(|run| (run.played.cost, run.error))
+        .collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut least = f64::INFINITY;
+    let front = points.iter().copied().filter(|(_, error)| {
+        let better = *error < least;
+        least = least.min(*error);
+        better
+    });
+    let front = Series { label: String::new(), look: look(by), stroke: Stroke::Line, points: front.collect() };
+    [front, Series { label: by.name(), look: look(by), stroke: Stroke::Points, points }]
 }
 
 fn look(by: Contestant) -> Look {

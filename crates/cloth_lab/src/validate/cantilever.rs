@@ -148,7 +148,7 @@ pub fn elastica(bench: &mut Bench) -> Result<(), ClothError> {
             }
             let (label, look) = match mesh {
                 Mesh::Grid(20) => (method.name().to_owned(), Look::of(method)),
-                Mesh::Grid(_) => (mesh.name(), Look(4)),
+                Mesh::Grid(_) => (mesh.name(), Look(2)),
                 Mesh::Turned(20) => ("turned by 45°".to_owned(), Look(1)),
                 Mesh::Turned(_) => ("turned, finer".to_owned(), Look(9)),
             };

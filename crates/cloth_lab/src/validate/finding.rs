@@ -169,3 +169,29 @@ pub fn budget(method: Method) -> Tick {
     };
     Tick { dt: 1.0 / scene.rate, substeps, iterations }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(value: f64, expected: f64, bound: Bound, claimed: bool) -> Verdict {
+        let quantity = String::new();
+        Finding { check: "", quantity, method: None, value, expected, bound, claimed }.verdict()
+    }
+
+    #[test]
+    fn a_value_passes_within_its_tolerance_and_fails_beyond() {
+        assert_eq!(verdict(1.04, 1.0, Bound::Relative(0.05), true), Verdict::Pass);
+        assert_eq!(verdict(-1.06, -1.0, Bound::Relative(0.05), true), Verdict::Fail);
+        assert_eq!(verdict(1.2, 1.0, Bound::Absolute(0.1), true), Verdict::Fail);
+        assert_eq!(verdict(2.0, 1.0, Bound::AtMost, false), Verdict::ByNature);
+        assert_eq!(verdict(2.0, 1.0, Bound::AtLeast, false), Verdict::Pass);
+    }
+
+    #[test]
+    fn what_is_no_number_passes_nothing() {
+        for bound in [Bound::Relative(1.0), Bound::Absolute(1.0), Bound::AtMost, Bound::AtLeast] {
+            assert_eq!(verdict(f64::NAN, 1.0, bound, true), Verdict::Fail);
+        }
+    }
+}

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use bevy::math::UVec2;
 use clap::{Parser, ValueEnum};
 
-use crate::scenes::Scene;
+use crate::scenes::{self, Scene};
 
 /// Cloth you can hang, drag and push things through.
 ///
@@ -15,7 +15,13 @@ use crate::scenes::Scene;
 #[command(name = "cloth_demo", version)]
 pub struct Options {
     /// The scene to open.
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Scene::Sandbox)]
+    #[arg(
+        long,
+        value_name = "NAME|FILE.ron",
+        value_parser = scenes::open,
+        default_value = scenes::SANDBOX,
+        help = format!("The scene to open: {}, or a scene file", scenes::names())
+    )]
     pub scene: Scene,
 
     /// Size of the window or picture in pixels.
@@ -120,6 +126,15 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_of_the_game_opens_by_name_and_the_help_lists_them() {
+        assert!(matches!(parse(&["--scene", "flag_in_wind"]).expect("valid").scene, Scene::File(_)));
+        let help = parse(&["--help"]).expect_err("help");
+        for name in ["sandbox", "top_hung", "flag_in_wind", "tablecloth"] {
+            assert!(help.contains(name), "{help}");
+        }
+    }
+
+    #[test]
     fn wrong_values_are_refused_with_the_reason() {
         for (arguments, reason) in [
             (&["--size", "320"][..], "WIDTHxHEIGHT"),
@@ -129,6 +144,7 @@ mod tests {
             (&["--screenshot", "out.png", "--at", "NaN"], "out of range"),
             (&["--at", "3"], "--screenshot"),
             (&["--scene", "circus"], "sandbox"),
+            (&["--scene", "no/such.ron"], "No such file"),
         ] {
             let error = parse(arguments).expect_err("refused");
             assert!(error.contains(reason), "{arguments:?} gave:\n{error}");

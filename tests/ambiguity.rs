@@ -15,7 +15,9 @@ fn run_strictly(app: &mut App, schedules: &[InternedScheduleLabel]) {
             schedule.set_build_settings(strict);
         });
     }
-    app.world_mut().spawn((Cloth::rectangle(0.5, 0.5), Pins::rods(2), Grabs::default(), ClothStats::default()));
+    app.world_mut()
+        .spawn((Cloth::rectangle(0.5, 0.5), Pins::rods(2), Grabs::default(), ClothStats::default()))
+        .insert((Weights::one(PinSelect::Corners, 0.1), Air::default(), Wind(Vec3::X)));
     app.world_mut().spawn(ClothCollider::Ground);
     run(app, 3);
 }

@@ -19,6 +19,9 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::cloth::Cloth",
         "cloth_solver::fabric::Fabric",
         "bevy_cloth::pins::Pins",
+        "bevy_cloth::weights::Weights",
+        "cloth_solver::forces::air::Air",
+        "bevy_cloth::air::Wind",
         "bevy_cloth::collider::ClothCollider",
         "bevy_cloth::collider::ColliderFriction",
         "bevy_cloth::settings::Gravity",
@@ -41,6 +44,7 @@ fn every_resource_of_settings_is_registered_with_its_default() {
     let names = [
         "bevy_cloth::settings::Shared<bevy_cloth::settings::Gravity>",
         "bevy_cloth::settings::Shared<bevy_cloth::settings::Substeps>",
+        "bevy_cloth::settings::Shared<bevy_cloth::air::Wind>",
         "bevy_cloth::settings::Shared<bevy_cloth::render::ClothColoring>",
         "bevy_cloth::picking::ClothPicking",
         "bevy_time::time::Time<bevy_cloth::clock::ClothClock>",

@@ -19,7 +19,7 @@ const RING: (f32, f32) = (0.034, 0.005);
 /// Width, height and depth of the clip below a ring, m.
 const CLIP: Vec3 = Vec3::new(0.02, 0.03, 0.014);
 /// From the middle of the bar down to the edge of the curtain, m.
-const DROP: f32 = 2.0 * RING.0 - BAR_RADIUS + CLIP.y * 0.7;
+pub const DROP: f32 = 2.0 * RING.0 - BAR_RADIUS + CLIP.y * 0.7;
 
 /// A rod; its curtain is among its children.
 #[derive(Component)]
@@ -65,7 +65,13 @@ fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 
 /// Spawns a rod at `place` with `curtain` hanging from it.
 pub fn spawn(commands: &mut Commands, place: Transform, curtain: impl Bundle) -> Entity {
-    commands.spawn((CurtainRod, place, Visibility::default(), children![curtain])).id()
+    let curtain = commands.spawn(curtain).id();
+    hang(commands, place, curtain)
+}
+
+/// Hangs a curtain that is there on a new rod at `place`.
+pub fn hang(commands: &mut Commands, place: Transform, curtain: Entity) -> Entity {
+    commands.spawn((CurtainRod, place, Visibility::default())).add_child(curtain).id()
 }
 
 /// Makes bar and rings anew for a curtain whose size or pins changed, and hangs it below the bar.

@@ -1,21 +1,16 @@
 //! The scenes of the demo and how one is opened.
 
+mod catalog;
 mod curtain_rod;
+mod file;
 mod sandbox;
+mod stage;
 
+use crate::cli::{Coloring, Options};
 use bevy::prelude::*;
 use bevy_cloth::{ClothClock, ClothColoring, ClothTime, Shared};
 use bevy_cloth_inspector::InspectorOpen;
-use clap::ValueEnum;
-
-use crate::cli::{Coloring, Options};
-
-/// What can be opened with `--scene`.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scene {
-    /// A curtain on a rod, with a sphere, a pyramid and a capsule to push through it.
-    Sandbox,
-}
+pub use catalog::{SANDBOX, Scene, names, open};
 
 /// Opens the scene that was asked for.
 pub struct ScenesPlugin {
@@ -26,9 +21,15 @@ pub struct ScenesPlugin {
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(curtain_rod::CurtainRodPlugin);
-        match self.options.scene {
-            Scene::Sandbox => app.add_systems(Startup, sandbox::spawn),
-        };
+        match &self.options.scene {
+            Scene::Sandbox => {
+                app.add_systems(Startup, sandbox::spawn);
+            }
+            Scene::File(scene) => {
+                file::configure(app, scene);
+                app.add_systems(Startup, file::spawn);
+            }
+        }
         let coloring = match self.options.coloring {
             Coloring::Material => ClothColoring::Material,
             Coloring::Stress => ClothColoring::Stress,

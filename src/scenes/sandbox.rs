@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_cloth::{Cloth, ClothCollider, Fabric, Pins};
 
 use super::curtain_rod;
+use super::stage::{glossy, matte, spawn_ground};
 use crate::camera::Viewpoint;
 use crate::select::Selectable;
 
@@ -13,8 +14,6 @@ const CURTAIN: Vec2 = Vec2::new(2.0, 1.8);
 const RODS: u32 = 6;
 /// Height of the rod above the ground, m.
 const ROD_HEIGHT: f32 = 2.15;
-/// Edge of the square of ground that is drawn, m.
-const GROUND: f32 = 120.0;
 
 /// Spawns the scene.
 pub fn spawn(
@@ -23,13 +22,7 @@ pub fn spawn(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     commands.insert_resource(Viewpoint { from: Vec3::new(1.5, 1.55, 3.9), to: Vec3::new(0.0, 1.05, 0.0) });
-    commands.spawn((
-        Name::new("ground"),
-        ClothCollider::Ground,
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(GROUND, GROUND))),
-        MeshMaterial3d(materials.add(matte(Color::srgb(0.66, 0.64, 0.61)))),
-        Pickable::IGNORE,
-    ));
+    spawn_ground(&mut commands, &mut meshes, &mut materials, Transform::IDENTITY);
 
     let velvet = materials.add(matte(Color::srgb(0.42, 0.045, 0.085)));
     let curtain = (
@@ -68,12 +61,4 @@ pub fn spawn(
         Color::srgb(0.24, 0.30, 0.55),
         Transform::from_xyz(1.05, 0.46, 0.45),
     );
-}
-
-fn matte(color: Color) -> StandardMaterial {
-    StandardMaterial { base_color: color, perceptual_roughness: 0.95, reflectance: 0.3, ..default() }
-}
-
-fn glossy(color: Color) -> StandardMaterial {
-    StandardMaterial { base_color: color, perceptual_roughness: 0.45, ..default() }
 }

@@ -11,6 +11,7 @@ use crate::events::ClothRecovered;
 use crate::prepare::StepPlan;
 use crate::report::report;
 use crate::step::{ClothTick, clear_forces};
+use crate::weights::Loads;
 
 /// Whether every number is finite that a tick goes on from. Inverse masses count: to the solver a NaN is a pin.
 pub(crate) fn is_finite(particles: &Particles) -> bool {
@@ -29,6 +30,7 @@ fn all_finite(numbers: &[f32]) -> bool {
 pub(crate) fn recover(
     topology: &Arc<Topology>,
     fabric: &Fabric,
+    loads: &Loads,
     particles: &mut Particles,
     constraints: &mut Constraints,
     history: &ClothHistory,
@@ -40,6 +42,9 @@ pub(crate) fn recover(
     if history.position.is_finite() {
         fresh.particles.position.copy_from(&history.position);
         fresh.particles.previous.copy_from(&history.position);
+    }
+    if let Err(error) = loads.hang(&mut fresh.particles) {
+        error!("the weights of a recovered cloth were lost: {error}");
     }
     fresh.constraints.grabs = std::mem::take(&mut constraints.grabs);
     if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, constraints.pins().clone()) {
@@ -54,6 +59,7 @@ pub(crate) fn mend(
         Entity,
         &ClothTopology,
         Option<&Fabric>,
+        &Loads,
         &mut Particles,
         &mut Constraints,
         &mut ClothHistory,
@@ -62,13 +68,13 @@ pub(crate) fn mend(
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
-    for (entity, topology, fabric, mut particles, mut constraints, mut history, plan) in &mut cloths {
+    for (entity, topology, fabric, loads, mut particles, mut constraints, mut history, plan) in &mut cloths {
         if plan.substeps == 0 {
             continue;
         }
         if !is_finite(&particles) {
             let fabric = fabric.copied().unwrap_or_default();
-            recover(&topology.0, &fabric, &mut particles, &mut constraints, &history);
+            recover(&topology.0, &fabric, loads, &mut particles, &mut constraints, &history);
             report(&mut commands, ClothRecovered { entity });
         }
         if tick.still {

@@ -2,8 +2,8 @@
 //!
 //! # Contents
 //! - [Example](#example)
-//! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`ClothCollider`]
-//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Shared`]
+//! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
+//! - [Settings](#settings): [`Gravity`], [`Air`], [`Wind`], [`Substeps`], [`Shared`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
@@ -30,11 +30,13 @@
 //! # What a cloth is made of
 //! One component per concept, each optional beside [`Cloth`], each to be inserted, changed and removed at any time.
 //! [`Cloth`] says where the rest shape comes from (a rectangle, or the entity's own mesh, which may load later),
-//! [`Fabric`] what it is made of, [`Pins`] what holds it. Solids are entities with a [`ClothCollider`].
+//! [`Fabric`] what it is made of, [`Pins`] what holds it, [`Weights`] what hangs on it. Solids are entities with a
+//! [`ClothCollider`].
 //!
 //! # Settings
 //! [`Gravity`] and [`Substeps`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and
-//! [`Shared<Substeps>`](Shared); as a component each overrides the shared value for one cloth.
+//! [`Shared<Substeps>`](Shared); as a component each overrides the shared value for one cloth. The same holds for
+//! [`Wind`], which a cloth with the component [`Air`] feels; without it no air acts, and none is computed.
 //!
 //! # Time
 //! [`Time<ClothClock>`](ClothClock) is paused, slowed and stepped through the trait [`ClothTime`]. It advances in
@@ -66,6 +68,7 @@
 //! - `render` (default): drawing. Without it the crate needs no renderer.
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
 
+pub mod air;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
@@ -79,14 +82,17 @@ pub mod render;
 pub mod schedule;
 pub mod settings;
 pub mod stats;
+pub mod weights;
 
 mod fault;
 mod prepare;
 mod report;
 mod step;
 
+pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth_solver::forces::Air;
 pub use cloth_solver::{self, ClothError, Fabric, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
 pub use diagnostics::ClothDiagnosticsPlugin;
@@ -99,3 +105,4 @@ pub use render::ClothColoring;
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use stats::ClothStats;
+pub use weights::{Weight, Weights};

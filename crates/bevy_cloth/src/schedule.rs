@@ -4,6 +4,7 @@ use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
+use crate::air::Wind;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
@@ -12,7 +13,8 @@ use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
-use crate::{ClothClock, Fabric, fault, prepare, stats, step};
+use crate::weights::Weights;
+use crate::{Air, ClothClock, Fabric, fault, prepare, stats, step};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -101,6 +103,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothTick>()
             .init_resource::<Shared<Gravity>>()
             .init_resource::<Shared<Substeps>>()
+            .init_resource::<Shared<Wind>>()
             .add_message::<ClothRejected>()
             .add_message::<ColliderRejected>()
             .add_message::<ClothRecovered>()
@@ -143,6 +146,12 @@ fn register_types(app: &mut App) {
         .register_type_data::<Fabric, ReflectComponent>()
         .register_type_data::<Fabric, ReflectDefault>()
         .register_type::<Pins>()
+        .register_type::<Weights>()
+        .register_type::<Air>()
+        .register_type_data::<Air, ReflectComponent>()
+        .register_type_data::<Air, ReflectDefault>()
+        .register_type::<Wind>()
+        .register_type::<Shared<Wind>>()
         .register_type::<ClothCollider>()
         .register_type::<ColliderFriction>()
         .register_type::<Gravity>()

@@ -7,9 +7,12 @@ use cloth_solver::{ClothError, Fabric, Topology};
 
 use super::placement::Placement;
 use super::{DrawnMesh, anchors};
+use crate::Air;
+use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::weights::Weights;
 
 /// A scale that changes by less than this part of itself is the same scale: taken out of the matrices of a turning
 /// hierarchy it is never twice the same to the last bit.
@@ -24,8 +27,11 @@ pub(crate) struct Authored {
     scale: Vec3,
     fabric: Option<Fabric>,
     pins: Option<Pins>,
+    weights: Option<Weights>,
     gravity: Option<Gravity>,
     substeps: Option<Substeps>,
+    air: Option<Air>,
+    wind: Option<Wind>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
     /// What the shape still waits for.
@@ -48,13 +54,17 @@ pub(crate) struct Faults {
     pub source: Option<ClothError>,
     pub fabric: Option<ClothError>,
     pub pins: Option<ClothError>,
+    pub weights: Option<ClothError>,
     pub settings: Option<ClothError>,
     pub grabs: Option<ClothError>,
 }
 
 impl Faults {
     pub fn first(&self) -> Option<&ClothError> {
-        [&self.source, &self.fabric, &self.pins, &self.settings, &self.grabs].into_iter().flatten().next()
+        [&self.source, &self.fabric, &self.pins, &self.weights, &self.settings, &self.grabs]
+            .into_iter()
+            .flatten()
+            .next()
     }
 }
 
@@ -64,6 +74,7 @@ pub(crate) struct Changes {
     pub shape: bool,
     pub fabric: bool,
     pub pins: bool,
+    pub weights: bool,
     pub settings: bool,
     pub grabs: bool,
 }
@@ -76,8 +87,11 @@ pub(crate) struct Wanted {
     cloth: Ref<'static, Cloth>,
     fabric: Option<Ref<'static, Fabric>>,
     pins: Option<Ref<'static, Pins>>,
+    weights: Option<Ref<'static, Weights>>,
     gravity: Option<Ref<'static, Gravity>>,
     substeps: Option<Ref<'static, Substeps>>,
+    air: Option<Ref<'static, Air>>,
+    wind: Option<Ref<'static, Wind>>,
     grabs: Option<Ref<'static, Grabs>>,
     mesh: Option<&'static Mesh3d>,
     drawn: Option<&'static DrawnMesh>,
@@ -108,6 +122,10 @@ impl WantedItem<'_, '_> {
         self.pins.as_deref()
     }
 
+    pub fn weights(&self) -> Option<&Weights> {
+        self.weights.as_deref()
+    }
+
     /// The mesh the user gave the entity, seen past the one the cloth draws.
     pub fn user_mesh(&self) -> Option<AssetId<Mesh>> {
         match (self.mesh, self.drawn) {
@@ -123,7 +141,7 @@ impl WantedItem<'_, '_> {
         placement: Option<Placement>,
         meshes: Option<&Assets<Mesh>>,
         modified: &HashSet<AssetId<Mesh>>,
-        shared: (&Res<Shared<Gravity>>, &Res<Shared<Substeps>>),
+        shared: (&Res<Shared<Gravity>>, &Res<Shared<Substeps>>, &Res<Shared<Wind>>),
         running: bool,
     ) -> Changes {
         let seen = &self.authored;
@@ -147,11 +165,15 @@ impl WantedItem<'_, '_> {
                 || (scale - seen.scale).abs().max_element() > SCALE_TOLERANCE * seen.scale.abs().max_element(),
             fabric: differs(&self.fabric, &seen.fabric),
             pins: differs(&self.pins, &seen.pins) || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
+            weights: differs(&self.weights, &seen.weights),
             settings: first
                 || differs(&self.gravity, &seen.gravity)
                 || differs(&self.substeps, &seen.substeps)
+                || differs(&self.air, &seen.air)
+                || differs(&self.wind, &seen.wind)
                 || (self.gravity.is_none() && shared.0.is_changed())
-                || (self.substeps.is_none() && shared.1.is_changed()),
+                || (self.substeps.is_none() && shared.1.is_changed())
+                || (self.wind.is_none() && shared.2.is_changed()),
             grabs: match &self.grabs {
                 Some(grabs) => grabs.is_changed() || (seen.grabs_unchecked && running),
                 None => seen.faults.grabs.is_some(),
@@ -173,16 +195,23 @@ impl WantedItem<'_, '_> {
         if changes.pins {
             seen.pins = self.pins.as_deref().cloned();
         }
+        if changes.weights {
+            seen.weights = self.weights.as_deref().cloned();
+        }
         seen.gravity = self.gravity.as_deref().copied();
         seen.substeps = self.substeps.as_deref().copied();
+        seen.air = self.air.as_deref().copied();
+        seen.wind = self.wind.as_deref().copied();
         changes
     }
 
     /// Checks the settings that hold for this cloth, its own or the shared ones.
-    pub fn check_settings(&mut self, gravity: &Shared<Gravity>, substeps: &Shared<Substeps>) {
+    pub fn check_settings(&mut self, gravity: &Shared<Gravity>, substeps: &Shared<Substeps>, wind: &Shared<Wind>) {
         let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
         let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
-        self.authored.faults.settings = gravity.and(substeps).err();
+        let air = self.air.as_deref().map_or(Ok(()), Air::validate);
+        let wind = self.wind.as_deref().unwrap_or(wind).validate();
+        self.authored.faults.settings = gravity.and(substeps).and(air).and(wind).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -16,10 +16,12 @@ use super::authored::{WaitsFor, Wanted, WantedItem};
 use super::placement::{Placement, Placements};
 use super::source::shape;
 use super::{ClothSkin, StepPlan};
+use crate::air::Wind;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
 use crate::events::ClothRejected;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::weights::Loads;
 
 /// The runtime state of one cloth, as far as a change of fabric or pins touches it.
 #[derive(QueryData)]
@@ -32,6 +34,7 @@ pub(crate) struct Running {
     constraints: &'static mut Constraints,
     contacts: &'static mut Contacts,
     anchors: &'static mut Anchors,
+    loads: &'static mut Loads,
 }
 
 /// Everything a build reads beside the cloth itself.
@@ -41,6 +44,7 @@ pub(crate) struct Surroundings<'w, 's> {
     meshes: Option<Res<'w, Assets<Mesh>>>,
     gravity: Res<'w, Shared<Gravity>>,
     substeps: Res<'w, Shared<Substeps>>,
+    wind: Res<'w, Shared<Wind>>,
 }
 
 /// Looks at every cloth and renews what changed, no more. In a quiet tick it only compares.
@@ -58,7 +62,7 @@ pub(crate) fn build(
             _ => None,
         }));
     }
-    let shared = (&around.gravity, &around.substeps);
+    let shared = (&around.gravity, &around.substeps, &around.wind);
     for (mut wanted, mut running) in &mut cloths {
         let placement = around.placements.get(wanted.entity);
         let changes = wanted.notice(placement, around.meshes.as_deref(), &modified, shared, running.is_some());
@@ -66,12 +70,15 @@ pub(crate) fn build(
             continue;
         }
         if changes.settings {
-            wanted.check_settings(shared.0, shared.1);
+            wanted.check_settings(shared.0, shared.1, shared.2);
         }
         if changes.shape || (wanted.authored.stale && changes.fabric) {
             wanted.build_shape(placement, &around, running.is_some(), &mut commands);
         } else if let Some(running) = running.as_mut().filter(|_| !wanted.authored.stale) {
-            if changes.fabric {
+            if changes.weights {
+                wanted.authored.faults.weights = running.change_weights(&wanted).err();
+            }
+            if changes.fabric || changes.weights {
                 wanted.authored.faults.fabric = running.change_fabric(&wanted.fabric()).err();
             }
             if changes.pins {
@@ -149,6 +156,10 @@ impl WantedItem<'_, '_> {
         let SolverCloth { mut particles, mut constraints, contacts, .. } =
             SolverCloth::new(topology.0.clone(), &fabric)?;
         let history = ClothHistory { position: particles.position.clone() };
+        let loads = Loads::find(self.weights(), &topology, &skin.0);
+        self.authored.faults.weights = loads.as_ref().err().cloned();
+        let loads = loads.unwrap_or_default();
+        loads.hang(&mut particles)?;
         let mut anchors = Anchors::default();
         self.authored.faults.pins = None;
         if let Some(pins) = self.pins() {
@@ -159,7 +170,7 @@ impl WantedItem<'_, '_> {
                 Err(error) => self.authored.faults.pins = Some(error),
             }
         }
-        Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, StepPlan::default()))
+        Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, StepPlan::default()))
     }
 
     /// Tells what is wrong if it was not told before, and takes the refusal back if nothing is.
@@ -180,10 +191,19 @@ impl WantedItem<'_, '_> {
 }
 
 impl RunningItem<'_, '_> {
-    /// Another fabric over the same topology: shape, speed and pins stay.
+    /// Other weights; [`change_fabric`](Self::change_fabric) hangs them on. If they are refused it has none.
+    fn change_weights(&mut self, wanted: &WantedItem) -> Result<(), ClothError> {
+        let loads = Loads::find(wanted.weights(), &self.topology.0, &self.skin.0);
+        let result = loads.as_ref().map(|_| ()).map_err(Clone::clone);
+        *self.loads = loads.unwrap_or_default();
+        result
+    }
+
+    /// Another fabric, or other weights, over the same topology: shape, speed and pins stay.
     fn change_fabric(&mut self, fabric: &Fabric) -> Result<(), ClothError> {
         let new = SolverCloth::new(self.topology.0.clone(), fabric)?;
         let (mut particles, mut constraints) = (new.particles, new.constraints);
+        self.loads.hang(&mut particles)?;
         constraints.set_pins(&mut particles, self.constraints.pins().clone())?;
         let old = &mut *self.particles;
         std::mem::swap(&mut particles.position, &mut old.position);

@@ -15,6 +15,7 @@ use crate::fault;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::step::ClothTick;
+use crate::weights::Loads;
 
 /// A cloth whose frame goes farther than this in one tick, m, is taken along in the shape it has. At 640 m/s and more
 /// nothing could be simulated that anybody sees; it is a jump of the player or of the world's origin.
@@ -66,6 +67,7 @@ pub(crate) struct Ticking {
     constraints: &'static mut Constraints,
     history: &'static mut ClothHistory,
     anchors: &'static mut Anchors,
+    loads: &'static Loads,
     plan: &'static mut StepPlan,
     grabs: Option<&'static Grabs>,
     substeps: Option<&'static Substeps>,
@@ -129,7 +131,8 @@ impl TickingItem<'_, '_> {
 
     fn recover(&mut self) {
         let fabric = self.fabric.copied().unwrap_or_default();
-        fault::recover(&self.topology.0, &fabric, &mut self.particles, &mut self.constraints, &self.history);
+        let Self { topology, loads, particles, constraints, history, .. } = self;
+        fault::recover(&topology.0, &fabric, loads, particles, constraints, history);
     }
 
     /// Hands the grabs over to the solver in the cloth's frame, moving from where they pulled a tick ago.

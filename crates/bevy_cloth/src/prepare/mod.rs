@@ -13,6 +13,7 @@ mod undo;
 use bevy::prelude::*;
 use cloth_solver::Pose;
 
+use crate::air;
 use crate::schedule::{ClothSchedule, ClothSystems};
 
 pub(crate) use anchors::Anchors;
@@ -21,6 +22,7 @@ pub(crate) use collider::ColliderState;
 pub(crate) use frame::StepPlan;
 #[cfg(feature = "render")]
 pub(crate) use placement::Placements;
+pub(crate) use select::select;
 pub(crate) use source::Skin;
 
 /// `frame⁻¹ ∘ other`, exactly the identity if both are the same: what did not move must not move by a rounding.
@@ -46,8 +48,9 @@ pub(crate) struct DrawnMesh {
 pub(crate) fn plugin(app: &mut App, schedule: impl bevy::ecs::schedule::ScheduleLabel) {
     app.add_systems(schedule, (build::build, collider::build).in_set(ClothSystems::Build))
         .add_systems(ClothSchedule, (frame::advance, collider::advance).chain().in_set(ClothSystems::Prepare))
-        .add_systems(ClothSchedule, frame::weigh.in_set(ClothSystems::Forces))
+        .add_systems(ClothSchedule, (frame::weigh, air::blow).chain().in_set(ClothSystems::Forces))
         .add_observer(frame::on_reset)
+        .add_observer(air::on_air_removed)
         .add_observer(undo::on_cloth_removed)
         .add_observer(undo::on_collider_removed);
 }

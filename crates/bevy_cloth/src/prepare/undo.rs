@@ -9,11 +9,12 @@ use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
 use crate::settings::Grabs;
+use crate::weights::Loads;
 
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
-    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan),
+    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

@@ -30,7 +30,7 @@ pub struct Difference {
     pub strain: f64,
     /// Largest strain of the whole run.
     pub strain_of_run: f64,
-    /// Absolute difference of the largest strain.
+    /// Absolute difference of the largest strain: the most over the time that is compared.
     pub strain_error: f64,
     /// The same over the reference's strain.
     pub strain_relative: f64,
@@ -64,7 +64,8 @@ impl Record {
             let last = &self.strain[self.strain.len().saturating_sub(LAST)..];
             last.iter().map(|strain| (strain - target).abs()).fold(0.0, f64::max)
         } else {
-            (self.strain_of(case, until) - truth.strain_of(case, until)).abs()
+            let pairs = self.strain.iter().zip(&truth.strain).take(until);
+            pairs.map(|(strain, other)| (strain - other).abs()).fold(0.0, f64::max)
         };
         let apart = || self.shape.iter().zip(&truth.shape).map(|(a, b)| a.distance_squared(*b));
         let mut difference = Difference {
@@ -96,5 +97,45 @@ impl Record {
         let whole = sinusoid(&self.tip, 1.0 / rate)?;
         let last = &self.tip[self.tip.len().saturating_sub((LAST_SWING * rate) as usize)..];
         Some((whole.period, sinusoid(last, 1.0 / rate)?.amplitude))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::cases;
+    use super::*;
+
+    fn case(name: &str) -> Case {
+        cases(4).into_iter().find(|case| case.name == name).unwrap()
+    }
+
+    #[test]
+    fn rest_is_judged_at_the_end_and_motion_while_it_is_compared() {
+        let truth = Record { strain: vec![0.01; 100], shape: vec![DVec3::ZERO; 2], ..Record::default() };
+        let mut strain = vec![0.01; 100];
+        strain[10] = 0.5;
+        let run = Record { strain, shape: vec![DVec3::X * 3e-3, DVec3::ZERO], ..Record::default() };
+        let rest = run.against(&truth, &case("top-hung"), 100, 0.0);
+        assert_eq!((rest.strain_error, rest.strain_of_run), (0.0, 0.5));
+        assert!((rest.shape_max - 3.0).abs() < 1e-9 && (rest.shape_rms - 3.0 / 2_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(run.against(&truth, &case("drape"), 10, 0.0).strain_error, 0.0);
+        assert!((run.against(&truth, &case("drape"), 11, 0.0).strain_error - 0.49).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_small_swing_is_told_by_its_period_and_by_the_amplitude_at_its_end() {
+        let swing = |period: f64, fade: f64| Record {
+            strain: vec![0.0; 300],
+            tip: (0..300)
+                .map(|i| f64::from(i) / 60.0)
+                .map(|t| (std::f64::consts::TAU * t / period).cos() * (-fade * t).exp())
+                .collect(),
+            energy: vec![2.0, 1.5],
+            ..Record::default()
+        };
+        let found = swing(1.7, 0.05).against(&swing(1.6, 0.0), &case("small-swing"), 300, 1.0);
+        assert!((found.period.unwrap() - 1.7 / 1.6).abs() < 0.005, "{found:?}");
+        assert!((found.amplitude.unwrap() - (-0.05_f64 * 4.0).exp()).abs() < 0.02, "{found:?}");
+        assert_eq!((found.energy_left, found.energy_most), (Some(1.0), Some(1.0)));
     }
 }

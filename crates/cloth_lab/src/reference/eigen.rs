@@ -14,7 +14,7 @@ pub fn highest_frequency(sheet: &Sheet, x: &[DVec3]) -> f64 {
     // Alternating along and across, which is what the highest mode looks like, and a little of everything else.
     let mut mode: Vec<DVec3> = (0..x.len())
         .map(|i| {
-            let sign = if (i / sheet.columns + i % sheet.columns) % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if (i / sheet.columns + i % sheet.columns).is_multiple_of(2) { 1.0 } else { -1.0 };
             DVec3::new(sign, sign, 0.3) + DVec3::splat(0.1 * (i as f64 * 0.7).sin())
         })
         .collect();

@@ -86,14 +86,13 @@ struct System {
 impl System {
     fn new(sheet: &Sheet, x: &[DVec3]) -> Option<Self> {
         let mut size = 0;
-        let mut place = |pinned: &bool| {
-            size += 3;
-            (!pinned).then(|| size - 3).or_else(|| {
-                size -= 3;
-                None
+        let first: Vec<Option<usize>> = (sheet.pinned.iter())
+            .map(|pinned| {
+                let row = size;
+                size += if *pinned { 0 } else { 3 };
+                (!pinned).then_some(row)
             })
-        };
-        let first: Vec<Option<usize>> = sheet.pinned.iter().map(&mut place).collect();
+            .collect();
         let mut indices = Vec::new();
         lower(sheet, x, &first, false, |row, col, _| indices.push(Pair { row, col }));
         (0..size).for_each(|i| indices.push(Pair { row: i, col: i }));

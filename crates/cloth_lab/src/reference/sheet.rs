@@ -212,7 +212,7 @@ impl Sheet {
             |(row, column)| {
                 let a = row * self.columns + column;
                 let [b, c, d] = [a + 1, a + self.columns, a + self.columns + 1];
-                if (row + column) % 2 == 0 { [[a, c, d], [a, d, b]] } else { [[a, c, b], [b, c, d]] }
+                if (row + column).is_multiple_of(2) { [[a, c, d], [a, d, b]] } else { [[a, c, b], [b, c, d]] }
             },
         )
     }

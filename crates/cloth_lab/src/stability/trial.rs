@@ -47,7 +47,12 @@ impl Subject {
     /// An undamped sheet (`size` in m) of cotton poplin with stretch stiffness `stretch`, N/m, by its top edge, let go 5°
     /// out of its plane.
     pub fn swing(size: Vec2, cells: UVec2, stretch: f32) -> Self {
-        let fabric = Fabric { stretch_warp: stretch, stretch_weft: stretch, damping: 0.0, ..Fabric::COTTON_POPLIN };
+        Self::swing_of(size, cells, Fabric { stretch_warp: stretch, stretch_weft: stretch, ..Fabric::COTTON_POPLIN })
+    }
+
+    /// The same of another fabric, whose internal friction is left out.
+    pub fn swing_of(size: Vec2, cells: UVec2, fabric: Fabric) -> Self {
+        let fabric = Fabric { damping: 0.0, ..fabric };
         let cloth = SceneCloth {
             size,
             cells,

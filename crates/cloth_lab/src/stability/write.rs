@@ -114,7 +114,7 @@ fn markdown(found: &Found, checks: &[Check]) -> String {
     let mut text = header("Where methods fail");
     text += "Every run starts at the reference's rest. Survived: finite, bounded, largest strain at the end within 1 % (of \
              rest length) of the reference's. Inaccurate: off by more. Exploded: not finite, faster than 100 m/s, or ten \
-             times the energy there was. Dashed: theory's limit, a step of 2/ω (symplectic Euler, Störmer–Verlet) or 2.83/ω \
+             times the energy there was to begin with and by falling. Dashed: theory's limit, a step of 2/ω (symplectic Euler, Störmer–Verlet) or 2.83/ω \
              (RK4) for the highest frequency ω of that mesh; explicit Euler has none, its line is where rounding grows by \
              10⁷ within the run.\n\n## At the edge\n\nA run at 0.95 and one at 1.05 of the limit.\n\n";
     let mut table = Table::new(["method", "on", "limit, s", "at 0.95", "at 1.05"]);

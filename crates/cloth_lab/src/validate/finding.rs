@@ -136,8 +136,8 @@ impl Bench {
         self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed: true });
     }
 
-    /// Adds a finding about statics: stiffness and shape at rest, which methods whose stiffness depends on the step do
-    /// not claim.
+    /// Adds a finding about stiffness: shape at rest, and the frequencies of what is taut, which methods whose stiffness
+    /// depends on the step do not claim.
     pub fn at_rest(
         &mut self,
         check: &'static str,

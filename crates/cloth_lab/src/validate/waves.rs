@@ -64,7 +64,7 @@ pub fn membrane(bench: &mut Bench) -> Result<(), ClothError> {
             let expected = closed::membrane(1.0, 10.0, 0.2, mode, f64::from(CELLS));
             let found = frequency(&mut cloth, method, Vec3::ZERO, 1.0, expected, |cloth| projection(cloth, &shape));
             let what = format!("frequency of mode ({}, {}), {CELLS} cells a side, Hz", mode[0], mode[1]);
-            bench.claim(CHECK, what, method, found, expected, Bound::Relative(0.01));
+            bench.at_rest(CHECK, what, method, found, expected, Bound::Relative(0.01));
         }
     }
     Ok(())
@@ -97,7 +97,7 @@ pub fn hung(bench: &mut Bench) -> Result<(), ClothError> {
             let expected = closed::hanging(1.0, G, mode);
             let found = frequency(&mut cloth, method, GRAVITY, 8.0, expected, |cloth| projection(cloth, &shape));
             let what = format!("frequency of mode {}, Hz", mode + 1);
-            bench.claim(CHECK, what, method, found, expected, Bound::Relative(0.01));
+            bench.at_rest(CHECK, what, method, found, expected, Bound::Relative(0.01));
         }
     }
     Ok(())

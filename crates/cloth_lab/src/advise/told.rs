@@ -106,30 +106,30 @@ impl Found<'_> {
         let mut table = Table::new(["without, or with", "farthest point", "rms", "ms with", "ms without", "verdict"]);
         for measured in self.ladder.iter().filter(|measured| wanted(measured.change.lever())) {
             let within = self.full.within(measured.difference);
-            let verdict = match (measured.end, within) {
-                (End::Exploded, _) => "explodes",
-                (End::TooSlow, _) => "too slow",
-                (End::Finished, true) if measured.difference.most > self.settings.tolerance => {
-                    "can go, as far as can be told"
+            let is_part = matches!(measured.change.lever(), Lever::Part(_));
+            let verdict = match (measured.end, within, is_part) {
+                (End::Exploded, ..) => "explodes",
+                (End::TooSlow, ..) => "too slow",
+                (End::Finished, true, true) if measured.change == Change::Inextensible => {
+                    "can go: they pass for inextensible"
                 }
-                (End::Finished, true) => "can go",
-                (End::Finished, false) => "needed",
+                (End::Finished, true, true) => "can go",
+                (End::Finished, true, false) => "enough",
+                (End::Finished, false, true) => "needed",
+                (End::Finished, false, false) => "not enough",
+            };
+            let doubt = if within && measured.difference.most > self.settings.tolerance {
+                ", as far as can be told"
+            } else {
+                ""
             };
             table.push([
-                match measured.change.lever() {
-                    Lever::Part(_) => format!("no {}", measured.change.name()),
-                    _ => measured.change.name(),
-                },
+                if is_part { format!("no {}", measured.change.name()) } else { measured.change.name() },
                 mm(measured.difference.most),
                 mm(measured.difference.rms),
                 number(self.full.recording.median, 3),
                 number(measured.median, 3),
-                match (&measured.change, verdict) {
-                    (Change::Inextensible, "can go") => "can go: threads may pass for inextensible".into(),
-                    (change, "needed") if !matches!(change.lever(), Lever::Part(_)) => "not enough".into(),
-                    (change, "can go") if !matches!(change.lever(), Lever::Part(_)) => "enough".into(),
-                    _ => verdict.into(),
-                },
+                format!("{verdict}{doubt}"),
             ]);
         }
         table

@@ -17,7 +17,7 @@ use crate::{LabError, progress};
 /// Arguments.
 #[derive(ClapArgs, Debug)]
 pub struct Args {
-    /// Takes less than two minutes: 24 × 24 cells, every second setting, at most 0.4 s for a point.
+    /// Takes less than two minutes: 24 × 24 cells, every second setting, at most 0.6 s for a point.
     #[arg(long)]
     pub quick: bool,
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub struct Args {
     /// Cells along each side of the sheet, 4 to 255. Default: 63 (64 × 64 particles), 24 with --quick.
     #[arg(long, value_parser = clap::value_parser!(u32).range(4..256))]
     pub cells: Option<u32>,
-    /// A run that would take longer than this many seconds is given up. Default: 12, 0.4 with --quick.
+    /// A run that would take longer than this many seconds is given up. Default: 12, 0.6 with --quick.
     #[arg(long, value_name = "SECONDS")]
     pub limit: Option<f64>,
 }
@@ -58,7 +58,7 @@ pub(crate) fn methods(asked: &[Method]) -> Vec<Method> {
 /// A file that could not be written.
 pub fn run(args: &Args) -> Result<(), LabError> {
     let cells = args.cells.unwrap_or(if args.quick { 24 } else { 63 });
-    let limit = args.limit.unwrap_or(if args.quick { 0.4 } else { 12.0 });
+    let limit = args.limit.unwrap_or(if args.quick { 0.6 } else { 12.0 });
     let wanted = |case: &case::Case| args.scenes.is_empty() || args.scenes.iter().any(|name| name == case.name);
     let cases: Vec<case::Case> = case::cases(cells).into_iter().filter(wanted).collect();
     let methods = methods(&args.methods);

@@ -1,6 +1,7 @@
 //! Time-stepping methods, one file each, on the same fabric, topology and forces.
 
 pub(crate) mod explicit;
+pub(crate) mod factored;
 pub mod xpbd;
 
 #[cfg(feature = "ecs")]

@@ -11,6 +11,7 @@
 
 use fearless_simd::{Simd, dispatch};
 
+use super::Method;
 use crate::Particles;
 use crate::cloth::Substep;
 use crate::constraint::Constraints;
@@ -27,7 +28,10 @@ pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Sub
 
 /// Solves all constraints once and takes velocities from the change of position.
 pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
-    constraints.solve(particles, sub);
+    match constraints.method() {
+        Method::ImplicitEuler | Method::ProjectiveDynamics => super::factored::solve(particles, constraints, sub),
+        _ => constraints.solve(particles, sub),
+    }
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));
 }
 

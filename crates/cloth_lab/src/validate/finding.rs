@@ -61,7 +61,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// The verdict; a value that is not finite fails.
+    /// The verdict; a value that is not finite fails, by nobody's nature.
     pub fn verdict(&self) -> Verdict {
         let apart = (self.value - self.expected).abs();
         let within = match self.bound {
@@ -72,8 +72,8 @@ impl Finding {
         };
         match (within, self.claimed) {
             (true, _) => Verdict::Pass,
-            (false, true) => Verdict::Fail,
-            (false, false) => Verdict::ByNature,
+            (false, false) if self.value.is_finite() => Verdict::ByNature,
+            (false, _) => Verdict::Fail,
         }
     }
 
@@ -192,6 +192,7 @@ mod tests {
     fn what_is_no_number_passes_nothing() {
         for bound in [Bound::Relative(1.0), Bound::Absolute(1.0), Bound::AtMost, Bound::AtLeast] {
             assert_eq!(verdict(f64::NAN, 1.0, bound, true), Verdict::Fail);
+            assert_eq!(verdict(f64::NAN, 1.0, bound, false), Verdict::Fail);
         }
     }
 }

@@ -34,7 +34,7 @@ const BINDINGS: [(KeyCode, &str, &str, Action); 9] = [
     (KeyCode::KeyC, "C", "colour by material or stress", Action::Coloring),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
     (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
-    (KeyCode::KeyE, "E", "handles turn the selected object", Action::Turn),
+    (KeyCode::KeyE, "E", "handles turn the selected object: take a ring at its wide end", Action::Turn),
     (KeyCode::Escape, "Esc", "close the help, or deselect", Action::Deselect),
 ];
 

@@ -88,7 +88,8 @@ fn no_cells_at_all() {
 
 #[test]
 fn no_substeps() {
-    refused_until_mended(Substeps { count: 0, max: 10 }, Substeps::default(), &["Substeps::count", "0", "1..=200"]);
+    let bad = Substeps { count: 0, ..default() };
+    refused_until_mended(bad, Substeps::default(), &["Substeps::count", "0", "1..=200"]);
 }
 
 #[test]

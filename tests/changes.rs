@@ -188,9 +188,10 @@ fn gravity_of_its_own_overrides_the_shared_one_until_it_is_removed() {
 fn substeps_of_its_own_override_the_shared_ones() {
     let mut app = headless();
     let cloth = Cloth::rectangle(0.2, 0.2).with_cells(4, 4);
-    let own = app.world_mut().spawn((cloth.clone(), Substeps { count: 3, max: 3 }, ClothStats::default())).id();
+    let own =
+        app.world_mut().spawn((cloth.clone(), Substeps { count: 3, max: 3, ..default() }, ClothStats::default())).id();
     let shared = app.world_mut().spawn((cloth, ClothStats::default())).id();
-    app.world_mut().resource_mut::<Shared<Substeps>>().0 = Substeps { count: 17, max: 17 };
+    app.world_mut().resource_mut::<Shared<Substeps>>().0 = Substeps { count: 17, max: 17, ..default() };
     run(&mut app, 3);
     assert_eq!(get::<ClothStats>(&app, own).substeps, 3);
     assert_eq!(get::<ClothStats>(&app, shared).substeps, 17);
@@ -199,7 +200,7 @@ fn substeps_of_its_own_override_the_shared_ones() {
 #[test]
 fn load_raises_the_substeps_up_to_the_maximum_and_rest_brings_them_back() {
     let mut app = headless();
-    let budget = Substeps { count: 2, max: 12 };
+    let budget = Substeps { count: 2, max: 12, ..default() };
     let cloth =
         (Cloth::rectangle(1.0, 2.0), Pins::rods(2), budget, Gravity(Vec3::NEG_Y * 100.0), ClothStats::default());
     let cloth = app.world_mut().spawn(cloth).id();

@@ -16,7 +16,7 @@ fn note(name: &'static str) -> impl Fn(ResMut<Order>) + Clone {
 #[test]
 fn phases_run_in_their_order() {
     let mut app = headless();
-    let substeps = Substeps { count: 2, max: 2 };
+    let substeps = Substeps { count: 2, max: 2, ..default() };
     app.world_mut().spawn((Cloth::rectangle(0.2, 0.2), substeps));
     app.init_resource::<Order>();
     use ClothSystems::*;

@@ -26,6 +26,7 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::collider::ColliderFriction",
         "bevy_cloth::settings::Gravity",
         "bevy_cloth::settings::Substeps",
+        "cloth_solver::method::Method",
         "bevy_cloth::settings::Grabs",
         "bevy_cloth::render::ClothColoring",
         "bevy_cloth::stats::ClothStats",
@@ -44,6 +45,7 @@ fn every_resource_of_settings_is_registered_with_its_default() {
     let names = [
         "bevy_cloth::settings::Shared<bevy_cloth::settings::Gravity>",
         "bevy_cloth::settings::Shared<bevy_cloth::settings::Substeps>",
+        "bevy_cloth::settings::Shared<cloth_solver::method::Method>",
         "bevy_cloth::settings::Shared<bevy_cloth::air::Wind>",
         "bevy_cloth::settings::Shared<bevy_cloth::render::ClothColoring>",
         "bevy_cloth::picking::ClothPicking",

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::{Pose, measure};
 use bevy_cloth::{
-    Cloth, ClothCollider, ColliderFriction, Gravity, PinSelect, Pins, Shared, Substeps, Weight, Weights, Wind,
+    Cloth, ClothCollider, ColliderFriction, Gravity, Method, PinSelect, Pins, Shared, Substeps, Weight, Weights, Wind,
 };
 use cloth_scene::{Scene, SceneCloth, SceneCollider, ScenePins, SceneShape, World as ScenePlay};
 
@@ -32,7 +32,8 @@ const DIRECTION: Vec3 = Vec3::new(0.42, 0.32, 1.0);
 const DISTANCE: f32 = 2.2;
 /// The least height of the camera above the ground, m.
 const LOWEST: f32 = 0.3;
-/// How long the scene is played beforehand to see where its cloths will be, s, and how coarsely.
+/// How long the scene is played beforehand to see where its cloths will be, s, and how coarsely; by the default method,
+/// which so few substeps suffice.
 const FORESEEN: (f32, u32, u32) = (3.0, 4, 5);
 
 /// The scene to be opened.
@@ -41,10 +42,10 @@ pub struct SceneFile(pub Box<Scene>);
 
 /// Sets the game's clock and what all cloths of `scene` share: the one place that hands its budget over.
 pub fn configure(app: &mut App, scene: &Scene) {
-    // METHOD AND ITERATIONS: `scene.method` and `scene.iterations` are to be set here, too, once there is a component.
-    let count = scene.substeps.min(200);
+    let (count, iterations) = (scene.substeps.min(200), scene.iterations.min(100));
     app.insert_resource(Time::<Fixed>::from_hz(f64::from(scene.rate)))
-        .insert_resource(Shared(Substeps { count, max: count.max(Substeps::default().max) }))
+        .insert_resource(Shared(Substeps { count, max: count.max(Substeps::default().max), iterations }))
+        .insert_resource(Shared(scene.method))
         .insert_resource(Shared(Gravity(scene.gravity)))
         .insert_resource(Shared(Wind(scene.wind)))
         .insert_resource(SceneFile(Box::new(scene.clone())));
@@ -159,7 +160,7 @@ fn transform(pose: &Pose) -> Transform {
 fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     let (seconds, fewer, substeps) = FORESEEN;
     let mut coarse = scene.clone();
-    (coarse.rate, coarse.substeps) = (60.0, substeps);
+    (coarse.rate, coarse.substeps, coarse.method) = (60.0, substeps, Method::default());
     for cloth in &mut coarse.cloths {
         cloth.cells = (cloth.cells / fewer).max(UVec2::ONE);
     }

@@ -3,7 +3,7 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
-//! - [Settings](#settings): [`Gravity`], [`Air`], [`Wind`], [`Substeps`], [`Shared`]
+//! - [Settings](#settings): [`Gravity`], [`Air`], [`Wind`], [`Substeps`], [`Method`], [`Shared`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
@@ -34,9 +34,10 @@
 //! [`ClothCollider`].
 //!
 //! # Settings
-//! [`Gravity`] and [`Substeps`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and
-//! [`Shared<Substeps>`](Shared); as a component each overrides the shared value for one cloth. The same holds for
-//! [`Wind`], which a cloth with the component [`Air`] feels; without it no air acts, and none is computed.
+//! [`Gravity`], [`Substeps`] and [`Method`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and so on; as
+//! a component each overrides the shared value for one cloth. The same holds for [`Wind`], which a cloth with the
+//! component [`Air`] feels; without it no air acts, and none is computed. The default method suits games; the others are
+//! there to be compared, and those that step forces want stiff fabric in very many substeps.
 //!
 //! # Time
 //! [`Time<ClothClock>`](ClothClock) is paused, slowed and stepped through the trait [`ClothTime`]. It advances in
@@ -93,7 +94,7 @@ pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
 pub use cloth_solver::forces::Air;
-pub use cloth_solver::{self, ClothError, Fabric, Particles};
+pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, ResetCloth};

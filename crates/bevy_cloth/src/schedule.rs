@@ -14,7 +14,7 @@ use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, fault, prepare, stats, step};
+use crate::{Air, ClothClock, Fabric, Method, fault, prepare, stats, step};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -103,6 +103,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothTick>()
             .init_resource::<Shared<Gravity>>()
             .init_resource::<Shared<Substeps>>()
+            .init_resource::<Shared<Method>>()
             .init_resource::<Shared<Wind>>()
             .add_message::<ClothRejected>()
             .add_message::<ColliderRejected>()
@@ -158,6 +159,9 @@ fn register_types(app: &mut App) {
         .register_type::<Shared<Gravity>>()
         .register_type::<Substeps>()
         .register_type::<Shared<Substeps>>()
+        .register_type::<Method>()
+        .register_type_data::<Method, ReflectComponent>()
+        .register_type::<Shared<Method>>()
         .register_type::<Grabs>()
         .register_type::<ClothStats>()
         .register_type::<Time<ClothClock>>();

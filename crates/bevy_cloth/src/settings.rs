@@ -5,7 +5,8 @@ use cloth_solver::ClothError;
 
 /// A value for every cloth that has no component of the type `T` of its own.
 ///
-/// The plugin inserts `Shared<Gravity>`, `Shared<Substeps>` and, with the feature `render`, `Shared<ClothColoring>`.
+/// The plugin inserts `Shared<Gravity>`, `Shared<Wind>`, `Shared<Substeps>`, `Shared<Method>` and, with the feature
+/// `render`, `Shared<ClothColoring>`.
 /// (One type cannot be both: in Bevy 0.19 a resource is a component that may exist only once.)
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
@@ -43,18 +44,22 @@ pub struct Substeps {
     /// cloth that hangs from few points asks for three to four times as many as it would lying on the ground; without
     /// them it is as stable, and moves a little more slowly near its pins. Below `count` it has no effect.
     pub max: u32,
+    /// Iterations in a substep, of methods that iterate (see [`Method::iterates`](crate::Method::iterates)), 1 to 100.
+    /// Default 1.
+    pub iterations: u32,
 }
 
 impl Substeps {
     pub(crate) fn validate(&self) -> Result<(), ClothError> {
         ClothError::check("Substeps::count", self.count as f32, 1.0..=200.0, "1..=200")?;
-        ClothError::check("Substeps::max", self.max as f32, 1.0..=200.0, "1..=200")
+        ClothError::check("Substeps::max", self.max as f32, 1.0..=200.0, "1..=200")?;
+        ClothError::check("Substeps::iterations", self.iterations as f32, 1.0..=100.0, "1..=100")
     }
 }
 
 impl Default for Substeps {
     fn default() -> Self {
-        Self { count: 10, max: 10 }
+        Self { count: 10, max: 10, iterations: 1 }
     }
 }
 

@@ -20,7 +20,7 @@
 //! | module | what it shows |
 //! |---|---|
 //! | `panel` | the side panel and the order of its sections |
-//! | `world` | clock, gravity, substeps, colouring |
+//! | `world` | clock, gravity, method, substeps, colouring |
 //! | `cloth` | size, resolution, rods |
 //! | `fabric` | preset and every value of the fabric |
 //! | `object` | shape, size, place and rotation of the selected object |

@@ -1,7 +1,7 @@
-//! What all clothes share: the clock, gravity, substeps, colouring.
+//! What all clothes share: the clock, gravity, method, substeps, colouring.
 
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Gravity, ResetCloth, Shared, Substeps};
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Gravity, Method, ResetCloth, Shared, Substeps};
 use bevy_egui::egui;
 
 use crate::widgets::{self, Unit};
@@ -50,6 +50,11 @@ pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
                 widgets::numbers(ui, gravity.0.as_mut(), Unit { name: "", ..METRE_PER_SECOND_SQUARED });
             });
         });
+        let mut iterates = false;
+        edit_own_or_shared(world, cloth, |method: &mut Method| {
+            widgets::row(ui, "method", "How the cloth is advanced in time.", |ui| choose(ui, method));
+            iterates = method.iterates();
+        });
         edit_own_or_shared(world, cloth, |substeps: &mut Substeps| {
             widgets::row(ui, "substeps", "In a quiet tick: the budget that buys stiffness.", |ui| {
                 ui.add(egui::DragValue::new(&mut substeps.count).speed(0.1));
@@ -57,6 +62,11 @@ pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
             widgets::row(ui, "at most", "The solver may take more under load, up to this.", |ui| {
                 ui.add(egui::DragValue::new(&mut substeps.max).speed(0.1));
             });
+            if iterates {
+                widgets::row(ui, "iterations", "In each substep.", |ui| {
+                    ui.add(egui::DragValue::new(&mut substeps.iterations).speed(0.05));
+                });
+            }
         });
         edit_own_or_shared(world, cloth, |coloring: &mut ClothColoring| {
             widgets::row(ui, "colours", "", |ui| {
@@ -67,6 +77,29 @@ pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
             });
         });
     });
+}
+
+fn choose(ui: &mut egui::Ui, method: &mut Method) {
+    egui::ComboBox::from_id_salt("method").selected_text(label(*method)).width(150.0).show_ui(ui, |ui| {
+        for choice in Method::ALL {
+            ui.selectable_value(method, choice, label(choice));
+        }
+    });
+}
+
+/// A method's name in print.
+fn label(method: Method) -> &'static str {
+    match method {
+        Method::ExplicitEuler => "explicit Euler",
+        Method::SymplecticEuler => "symplectic Euler",
+        Method::StormerVerlet => "Störmer–Verlet",
+        Method::RungeKutta4 => "Runge–Kutta 4",
+        Method::ImplicitEuler => "implicit Euler",
+        Method::Pbd => "PBD",
+        Method::XpbdSweeps => "XPBD, sweeps",
+        Method::XpbdLines => "XPBD, lines",
+        Method::ProjectiveDynamics => "projective dynamics",
+    }
 }
 
 /// Edits the component of `cloth` if it has one, else the resource shared by all.

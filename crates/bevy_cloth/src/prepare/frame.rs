@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use cloth_solver::cloth::{Constraints, Substep, Tick};
 use cloth_solver::constraint::Grab as SolverGrab;
 use cloth_solver::contact::Contacts;
-use cloth_solver::{Fabric, Particles, Pose, Soa3};
+use cloth_solver::{Fabric, Method, Particles, Pose, Soa3};
 
 use super::Anchors;
 use super::placement::{Placement, Placements};
@@ -27,6 +27,8 @@ const TELEPORT: f32 = 10.0;
 pub(crate) struct StepPlan {
     /// How many substeps; 0 if it stands in this tick.
     pub substeps: u32,
+    /// Iterations in each of them.
+    iterations: u32,
     /// Where each hand pulled to at the end of the last tick, in the world.
     hands: Vec<(u32, Vec3)>,
 }
@@ -35,6 +37,7 @@ impl StepPlan {
     /// Finds the number of substeps from the load of the last tick. Where a particle's load asks for f times the inertia
     /// it has, √f times as many substeps do without it; a cloth that is relieved comes back to its budget one by one.
     fn plan_substeps(&mut self, budget: &Substeps, particles: &Particles) {
+        self.iterations = budget.iterations;
         if budget.max <= budget.count {
             self.substeps = budget.count;
             return;
@@ -51,7 +54,7 @@ impl StepPlan {
     /// What this cloth does in the substep at hand, if it has so many.
     pub fn substep(&self, tick: &ClothTick) -> Option<Substep> {
         (tick.substep < self.substeps)
-            .then(|| Tick { dt: tick.dt, substeps: self.substeps, iterations: 1 }.substep(tick.substep))
+            .then(|| Tick { dt: tick.dt, substeps: self.substeps, iterations: self.iterations }.substep(tick.substep))
     }
 }
 
@@ -71,6 +74,7 @@ pub(crate) struct Ticking {
     plan: &'static mut StepPlan,
     grabs: Option<&'static Grabs>,
     substeps: Option<&'static Substeps>,
+    method: Option<&'static Method>,
 }
 
 /// Moves frames, pins and hands, keeps the shape for drawing between ticks, and plans the substeps.
@@ -79,6 +83,7 @@ pub(crate) fn advance(
     mut rejected: Query<&mut StepPlan, With<ClothRejection>>,
     placements: Placements,
     substeps: Res<Shared<Substeps>>,
+    method: Res<Shared<Method>>,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
@@ -103,6 +108,7 @@ pub(crate) fn advance(
         let frame = *cloth.frame;
         cloth.anchors.advance(&frame, &placements, cloth.constraints.pin_frames_mut());
         cloth.move_hands(&frame);
+        cloth.set_method(cloth.method.copied().unwrap_or(method.0));
         cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps), &cloth.particles);
     }
 }
@@ -133,6 +139,15 @@ impl TickingItem<'_, '_> {
         let fabric = self.fabric.copied().unwrap_or_default();
         let Self { topology, loads, particles, constraints, history, .. } = self;
         fault::recover(&topology.0, &fabric, loads, particles, constraints, history);
+    }
+
+    /// Goes on with `method` in the shape and at the speed it has.
+    fn set_method(&mut self, method: Method) {
+        if self.constraints.method() != method {
+            self.constraints.set_method(method);
+            // Not every method measures it, and what another one left would go on to weigh on the cloth.
+            self.particles.load.fill(0.0);
+        }
     }
 
     /// Hands the grabs over to the solver in the cloth's frame, moving from where they pulled a tick ago.

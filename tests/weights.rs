@@ -53,9 +53,9 @@ fn hanging_a_weight_on_changing_and_removing_it_leaves_the_shape_as_it_is() {
     let cloth = hung(&mut app);
     run(&mut app, 60);
     let changes: [fn(&mut EntityWorldMut); 3] = [
-        |cloth| drop(cloth.insert(Weights::one(corner(), 0.01))),
-        |cloth| drop(cloth.insert(Weights::one(PinSelect::Corners, 0.02))),
-        |cloth| drop(cloth.remove::<Weights>()),
+        |cloth| _ = cloth.insert(Weights::one(corner(), 0.01)),
+        |cloth| _ = cloth.insert(Weights::one(PinSelect::Corners, 0.02)),
+        |cloth| _ = cloth.remove::<Weights>(),
     ];
     for change in changes {
         let before = world_positions(&app, cloth);

@@ -71,7 +71,7 @@ pub fn predictions(scene: &Scene, full: &Recording) -> Vec<Prediction> {
     ];
     all.extend(air(scene, gravity));
     all.extend(swept(scene, full));
-    let gap = scene.cloths.iter().map(|cloth| edge(cloth)).fold(0.0, f32::max);
+    let gap = scene.cloths.iter().map(edge).fold(0.0, f32::max);
     let meeting = meets_itself(full, gap);
     all.push(Prediction {
         about: "self-contact",

@@ -5,7 +5,7 @@
 use std::sync::LazyLock;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x8, mask32x8};
+use fearless_simd::{Level, Simd, f32x8};
 
 use crate::Soa3;
 
@@ -67,12 +67,6 @@ impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {
         Self { x: self.y * b.z - self.z * b.y, y: self.z * b.x - self.x * b.z, z: self.x * b.y - self.y * b.x }
-    }
-
-    /// This where `keep` holds, `other` elsewhere.
-    #[inline(always)]
-    pub fn or(self, other: Self, keep: mask32x8<S>) -> Self {
-        Self { x: keep.select(self.x, other.x), y: keep.select(self.y, other.y), z: keep.select(self.z, other.z) }
     }
 
     #[inline(always)]

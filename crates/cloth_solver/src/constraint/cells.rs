@@ -16,11 +16,22 @@ use crate::{Grid, Soa3};
 
 /// α̃ of the two constraints of a cell.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CellModel {
-    /// 1/(G a b h²). `None` if the fabric does not resist shear.
-    pub shear: Option<f32>,
+pub(crate) struct CellModel<'a> {
+    /// Shear.
+    pub shear: ShearModel<'a>,
     /// a b/(2 D h²), 1/kg. `None` if the fabric does not resist twist.
     pub twist: Option<f32>,
+}
+
+/// How cells resist shear.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ShearModel<'a> {
+    /// Not at all.
+    None,
+    /// As a constraint of this compliance α̃ = 1/(G a b h²).
+    Constraint(f32),
+    /// By the force of this stress λ h² of each cell, per slot of its upper left corner.
+    Stress(&'a [f32]),
 }
 
 /// Four corners of eight cells.
@@ -38,7 +49,7 @@ pub(crate) struct Cells<'a> {
     pub grid: &'a Grid,
     pub mask: &'a [f32],
     pub inverse_mass: &'a [f32],
-    pub model: CellModel,
+    pub model: CellModel<'a>,
 }
 
 impl Cells<'_> {
@@ -68,11 +79,16 @@ impl Cells<'_> {
         if let Some(compliance) = self.model.twist {
             cell.untwist(simd, still, &w, compliance);
         }
-        if let Some(compliance) = self.model.shear {
-            let now = ShearGradient::new(simd, still, self.grid);
-            let gradient = ShearGradient::new(simd, start, self.grid).unless_turned(simd, now);
-            let lambda = now.value * w.on * gradient.scale(simd, &w, compliance);
-            cell.push(&gradient, lambda, &w);
+        match self.model.shear {
+            ShearModel::None => {}
+            ShearModel::Constraint(compliance) => {
+                let gradient = ShearGradient::new(simd, still, self.grid);
+                cell.push(&gradient, gradient.value * w.on * gradient.scale(simd, &w, compliance), &w);
+            }
+            ShearModel::Stress(stress) => {
+                let (lambda, _) = load_pair(simd, stress, at);
+                cell.push(&ShearGradient::new(simd, start, self.grid), lambda * w.on, &w);
+            }
         }
         cell.store(moved, at, self.grid);
     }
@@ -129,17 +145,6 @@ impl<S: Simd> ShearGradient<S> {
         let (u, v) = ((e + f) * per_a, (e - f) * per_b);
         let (p, q) = (v * per_a, u * per_b);
         Self { value: u.dot(v), g11: p + q, g10: p - q }
-    }
-
-    /// These gradients, from where the substep starts, and not those of `now`: so pushed, the cell keeps its angular momentum
-    /// and its energy. Those of `now` where a cell turns too far within the substep.
-    #[inline(always)]
-    fn unless_turned(self, simd: S, now: Self) -> Self {
-        let across = self.g11.dot(now.g11) + self.g10.dot(now.g10);
-        let along = now.g11.dot(now.g11) + now.g10.dot(now.g10);
-        let near = (across - along).abs().simd_lt(along * splat(simd, 0.05));
-        let keep = near & now.value.abs().simd_lt(splat(simd, 0.3));
-        Self { value: now.value, g11: self.g11.or(now.g11, keep), g10: self.g10.or(now.g10, keep) }
     }
 
     /// 1/(Σ w |∇C|² + α̃).

@@ -3,8 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::cells::{CellModel, Cells};
+use super::cells::{CellModel, Cells, ShearModel};
 use super::lines::{self, Block, Elimination, Rows};
+use super::shear::{Sheet, Stress};
 use super::sweep;
 use crate::lanes::{LANES, load, splat};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
@@ -33,6 +34,7 @@ pub(super) struct GridConstraints {
     weft_lambda: Vec<f32>,
     warp_lambda: Vec<f32>,
     elimination: Elimination,
+    stress: Stress,
 }
 
 impl GridConstraints {
@@ -61,6 +63,7 @@ impl GridConstraints {
             weft_lambda: vec![0.0; rows.next_multiple_of(LANES) * columns],
             warp_lambda: vec![0.0; stride * rows],
             elimination: Elimination::new(rows.max(columns)),
+            stress: Stress::new(&grid),
         }
     }
 
@@ -111,9 +114,17 @@ impl GridConstraints {
     /// Swept in colours: of XPBD once, of PBD, which knows no compliance, as often as asked.
     #[inline(always)]
     pub fn sweep<S: Simd>(&mut self, simd: S, particles: &mut Particles, how: Sweep) {
+        let shears = self.fabric.shear > 0.0;
         let model = match how {
-            Sweep::Compliant { h } => self.cell_model(h),
-            Sweep::Rigid => CellModel { shear: (self.fabric.shear > 0.0).then_some(0.0), twist: None },
+            Sweep::Compliant { h } => {
+                let compliance = 1.0 / (self.fabric.shear * h * h * self.grid.spacing.x * self.grid.spacing.y);
+                let shear = if shears { ShearModel::Constraint(compliance) } else { ShearModel::None };
+                CellModel { shear, twist: self.twist_compliance(h) }
+            }
+            // Not quite 0, for which cells that are all pinned or not there would have no solution.
+            Sweep::Rigid => {
+                CellModel { shear: if shears { ShearModel::Constraint(1e-20) } else { ShearModel::None }, twist: None }
+            }
         };
         self.solve_cells(simd, particles, model);
         let (rows, block) = (self.rows(), self.row_block());
@@ -149,7 +160,15 @@ impl GridConstraints {
 
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
-        self.solve_cells(simd, particles, self.cell_model(h));
+        let Fabric { shear, areal_density, .. } = self.fabric;
+        let mut stress = std::mem::take(&mut self.stress);
+        if shear > 0.0 {
+            let sheet = Sheet { grid: &self.grid, mask: &self.cell_mask, shear, density: areal_density };
+            stress.find(simd, sheet, &particles.position, &particles.inverse_mass, h);
+        }
+        let model = if shear > 0.0 { ShearModel::Stress(&stress.lambda) } else { ShearModel::None };
+        self.solve_cells(simd, particles, CellModel { shear: model, twist: self.twist_compliance(h) });
+        self.stress = stress;
         let weft = self.solve_rows(simd, particles, h);
         let warp = self.solve_columns(simd, particles, h);
         if weft > lines::EXPLICIT_LOAD {
@@ -188,21 +207,17 @@ impl GridConstraints {
     }
 
     #[inline(always)]
-    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel) {
+    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel<'_>) {
         let Particles { position, moved, inverse_mass, .. } = particles;
-        if model.shear.is_some() || model.twist.is_some() {
+        if !matches!(model.shear, ShearModel::None) || model.twist.is_some() {
             Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position, moved);
         }
     }
 
-    /// α̃ of the cells.
-    fn cell_model(&self, h: f32) -> CellModel {
-        let area = self.grid.spacing.x * self.grid.spacing.y;
-        let (shear, twist) = (self.fabric.shear * h * h, self.twist_stiffness() * h * h);
-        CellModel {
-            shear: (shear > 0.0).then(|| 1.0 / (shear * area)),
-            twist: (twist > 0.0).then(|| area / (2.0 * twist)),
-        }
+    /// α̃ of the cells against twist, if the fabric resists it.
+    fn twist_compliance(&self, h: f32) -> Option<f32> {
+        let twist = self.twist_stiffness() * h * h;
+        (twist > 0.0).then(|| self.grid.spacing.x * self.grid.spacing.y / (2.0 * twist))
     }
 
     fn rows(&self) -> Rows {

@@ -25,7 +25,7 @@ pub(crate) const EXPLICIT_LOAD: f32 = 0.15;
 /// Up to which T h²/(m l), predicted strain and 1 − cos of the turn within a substep a link pulls along the direction it had
 /// when the substep began; beyond three times as much it pulls along the one it is predicted to have. See [`stretch`].
 const CALM_LOAD: f32 = 0.1;
-const CALM_STRAIN: f32 = 0.0015;
+const CALM_STRAIN: f32 = 0.005;
 const CALM_TURN: f32 = 0.025;
 
 /// Eight runs of `count` particles each.

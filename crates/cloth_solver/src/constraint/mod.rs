@@ -10,6 +10,7 @@ mod hinges;
 mod lines;
 mod mesh;
 mod pin;
+mod shear;
 mod stiffness;
 mod sweep;
 mod tether;

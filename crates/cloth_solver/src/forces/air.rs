@@ -70,7 +70,7 @@ impl Air {
             let push = |coefficient: f32| (strength * speed * coefficient).min(most) * area / 3.0;
             let force = across * push(self.normal) + along * push(self.tangent);
             for slot in slots {
-                particles.add_force(slot, force);
+                particles.add_force(slot, force * topology.air_share[slot]);
             }
         }
     }

@@ -6,8 +6,7 @@
 //!
 //! - the waves across taut lines are implicit (`lines::soften`);
 //! - a particle under a lasting load that the substep cannot resolve gets the inertia, not the weight, that resolves it
-//!   (selective mass scaling, as explicit finite elements use it). It grows by a tenth a substep at most and goes at once,
-//!   so that loads that come and go, as in an impact, do not pump energy into the cloth.
+//!   (selective mass scaling, as explicit finite elements use it), at the same kinetic energy.
 
 use fearless_simd::{Simd, dispatch};
 
@@ -35,21 +34,28 @@ pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Sub
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));
 }
 
-/// Most by which a particle's inertia grows from one substep to the next. Grown at once, it made cloth in free flight gain
-/// energy; grown by a fiftieth, hung by its corners it had not caught up after ten seconds of one or two substeps.
-const INERTIA_GROWTH: f32 = 1.1;
+/// Most by which a particle's inertia grows from one substep to the next.
+const INERTIA_GROWTH: f32 = 4.0;
+
+/// Least of its inertia that a particle keeps from one substep to the next. Lost at once, it would come and go with every
+/// bounce of the load.
+const INERTIA_FADE: f32 = 0.95;
 
 /// Gives particles under a load that the substep cannot resolve the inertia it asks for, and takes back what is no
 /// longer needed. Their weight stays: what is at rest stays at rest.
 #[inline(always)]
 fn scale_masses<S: Simd>(simd: S, particles: &mut Particles) {
-    let Particles { mass, inverse_mass, load: wanted, inertia, .. } = particles;
+    let Particles { mass, inverse_mass, load: wanted, inertia, velocity, .. } = particles;
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let growth = splat(simd, INERTIA_GROWTH);
+    let (growth, fade) = (splat(simd, INERTIA_GROWTH), splat(simd, INERTIA_FADE));
     for i in groups(mass) {
         let mass = load(simd, mass, i);
-        let m = mass.max(load(simd, wanted, i)).min(load(simd, inertia, i) * growth);
+        let had = load(simd, inertia, i);
+        let m = mass.max(load(simd, wanted, i)).min(had * growth).max(had * fade);
         store(m, inertia, i);
+        // Neither adds nor takes energy, whether inertia comes or goes: at the old velocity it would pump.
+        let share = mass.simd_gt(zero).select((had / m).sqrt(), zero);
+        (Vec3x8::load(simd, velocity, i) * share).store(velocity, i);
         let w = one / m;
         store(mass.simd_gt(zero).select(w, zero), inverse_mass, i);
     }

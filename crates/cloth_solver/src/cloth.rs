@@ -75,6 +75,8 @@ impl Cloth {
     /// Advances with `method` from now on.
     pub fn set_method(&mut self, method: Method) {
         self.constraints.set_method(method);
+        // What the old method left of loads is not the new one's to carry.
+        self.particles.load.fill(0.0);
     }
 
     /// Advances by one tick under `gravity` (m/s²).

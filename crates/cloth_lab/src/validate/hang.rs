@@ -123,7 +123,7 @@ pub fn refined(bench: &mut Bench) -> Result<(), ClothError> {
             rig::put(&mut cloth, |rest| Vec3::new(0.8 * rest.x, rest.y, bulge(rest.x)));
             rig::hold(&mut cloth, |rest| rest.y > 0.499 && rest.x.abs() > 0.499)?;
             let tick = Tick { substeps, ..budget(method) };
-            rig::run(&mut cloth, tick, GRAVITY, seconds);
+            rig::settle(&mut cloth, tick, GRAVITY, seconds);
             Ok(f64::from(rig::mean(&cloth, |rest| rest.y < -0.499 && rest.x.abs() < 1e-3).y))
         };
         let spread = |places: &[f64]| {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::topology::{MeshSource, Resolution};
-use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Tick, Topology};
+use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Tick, Topology, measure};
 use glam::{UVec2, Vec2, Vec3};
 
 /// Gravity of every check, m/s².
@@ -70,6 +70,22 @@ pub fn mean(cloth: &Cloth, chosen: impl Fn(Vec3) -> bool) -> Vec3 {
 pub fn run(cloth: &mut Cloth, tick: Tick, gravity: Vec3, seconds: f32) {
     for _ in 0..(seconds / tick.dt).round() as u32 {
         cloth.step(tick, gravity);
+    }
+}
+
+/// Brings cloth to rest within `seconds`, also from a swing as a whole, which internal friction leaves alone: it is stopped
+/// whenever its kinetic energy has passed a peak (kinetic damping, Cundall 1976).
+pub fn settle(cloth: &mut Cloth, tick: Tick, gravity: Vec3, seconds: f32) {
+    let mut last = 0.0;
+    for _ in 0..(seconds / tick.dt).round() as u32 {
+        cloth.step(tick, gravity);
+        let energy = measure::kinetic_energy(&cloth.particles);
+        if energy < last {
+            cloth.particles.velocity.fill(Vec3::ZERO);
+            last = 0.0;
+        } else {
+            last = energy;
+        }
     }
 }
 

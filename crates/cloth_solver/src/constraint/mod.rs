@@ -154,6 +154,11 @@ impl Constraints {
         }
     }
 
+    /// Whether the cloth is a rectangle of rows and columns.
+    pub(crate) fn is_grid(&self) -> bool {
+        matches!(self.surface, Surface::Grid(_))
+    }
+
     /// Stiffness of a rectangle at rest without directions, N/m: calls `add` for each pair of slots, as often as need be.
     pub(crate) fn stiffness_at_rest(&self, add: &mut dyn FnMut(usize, usize, f32)) {
         if let Surface::Grid(grid) = &self.surface {

@@ -26,16 +26,19 @@ pub enum Method {
     /// The classical Runge–Kutta method of fourth order: four evaluations of the forces. Stable for `h < 2.83/ω`.
     RungeKutta4,
     /// Implicit (backward) Euler, Newton's method with a sparse factorisation in each iteration (Baraff & Witkin 1998).
+    /// Rectangles only; any other mesh is swept.
     ImplicitEuler,
     /// Position-based dynamics (Müller et al. 2007): Verlet and projection, no compliance: stiffness depends on step and
     /// iterations.
     Pbd,
     /// Small-steps XPBD (Macklin et al. 2019), constraints swept one after the other, in colours.
     XpbdSweeps,
-    /// Small-steps XPBD, exact along the warp and weft lines of a grid.
+    /// Small-steps XPBD, exact along the warp and weft lines of a rectangle, with its shear as a smoothed stress. The
+    /// default. Any other mesh is swept.
     #[default]
     XpbdLines,
-    /// Projective dynamics (Bouaziz et al. 2014) with a prefactored sparse Cholesky.
+    /// Projective dynamics (Bouaziz et al. 2014) with a prefactored sparse Cholesky. Rectangles only; any other mesh is
+    /// swept.
     ProjectiveDynamics,
 }
 

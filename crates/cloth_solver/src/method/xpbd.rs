@@ -28,7 +28,9 @@ pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Sub
 /// Solves all constraints once and takes velocities from the change of position.
 pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
     match constraints.method() {
-        Method::ImplicitEuler | Method::ProjectiveDynamics => super::factored::solve(particles, constraints, sub),
+        Method::ImplicitEuler | Method::ProjectiveDynamics if constraints.is_grid() => {
+            super::factored::solve(particles, constraints, sub);
+        }
         _ => constraints.solve(particles, sub),
     }
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));

@@ -48,10 +48,14 @@ fn survived(harm: impl FnOnce(&mut App, Entity), mend: impl FnOnce(&mut App, Ent
 fn a_position_that_a_system_spoils_is_undone() {
     let (mut app, victim, _) = two_cloths();
     let before = world_positions(&app, victim);
+    let velocity = &get::<Particles>(&app, victim).velocity;
+    let fastest = (0..velocity.len()).map(|i| velocity.get(i).length()).fold(0.0, f32::max);
     app.world_mut().get_mut::<Particles>(victim).unwrap().position.x[40] = f32::NAN;
     app.update();
     let moved = largest_move(&before, &world_positions(&app, victim));
-    assert!(moved < 0.05, "it lost its shape: a particle moved {moved} m in a tick");
+    // It is where it was a tick ago: no farther than it came since.
+    let came = fastest / 60.0 + 0.01;
+    assert!(moved < came, "it lost its shape: a particle moved {moved} m in a tick, not {came} m");
     assert_eq!(take_messages::<ClothRecovered>(&mut app), [ClothRecovered { entity: victim }]);
     survives(|app, victim| app.world_mut().get_mut::<Particles>(victim).unwrap().position.x[40] = f32::NAN);
 }

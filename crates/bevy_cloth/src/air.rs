@@ -9,7 +9,7 @@ use crate::prepare::StepPlan;
 use crate::settings::Shared;
 use crate::step::ClothTick;
 
-/// Velocity of the air, the same everywhere, in world axes, m/s; each axis −1000 to 1000. Default 0: calm.
+/// Velocity of the air, the same everywhere, in world axes, m/s; each axis −1,000,000 to 1,000,000. Default 0: calm.
 ///
 /// A component on a cloth overrides the resource [`Shared<Wind>`]. Only a cloth with the component [`Air`] feels it, and
 /// it feels calm air, too.
@@ -20,7 +20,7 @@ pub struct Wind(pub Vec3);
 impl Wind {
     pub(crate) fn validate(&self) -> Result<(), ClothError> {
         let mut axes = self.0.to_array().into_iter();
-        axes.try_for_each(|axis| ClothError::check("Wind", axis, -1e3..=1e3, "-1000..=1000 m/s on each axis"))
+        axes.try_for_each(|axis| ClothError::check("Wind", axis, -1e6..=1e6, "-1,000,000..=1,000,000 m/s on each axis"))
     }
 }
 

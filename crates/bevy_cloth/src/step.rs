@@ -91,10 +91,10 @@ pub(crate) fn run_substeps(world: &mut World, plans: &mut QueryState<&StepPlan>)
     });
 }
 
-pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
-    for (mut particles, mut constraints, plan) in &mut cloths {
+pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, constraints, plan) in &mut cloths {
         if let Some(sub) = plan.substep(&tick) {
-            method::integrate(&mut particles, &mut constraints, &sub);
+            method::integrate(&mut particles, constraints, &sub);
         }
     }
 }

@@ -74,7 +74,7 @@ impl Cloth {
 
     /// Advances with `method` from now on.
     pub fn set_method(&mut self, method: Method) {
-        self.constraints.set_method(method);
+        self.constraints.set_method(&self.topology, method);
         // What the old method left of loads is not the new one's to carry.
         self.particles.load.fill(0.0);
     }
@@ -84,7 +84,7 @@ impl Cloth {
         self.particles.acceleration = gravity;
         for index in 0..tick.substeps.max(1) {
             let sub = tick.substep(index);
-            crate::method::integrate(&mut self.particles, &mut self.constraints, &sub);
+            crate::method::integrate(&mut self.particles, &self.constraints, &sub);
             crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
             crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
         }

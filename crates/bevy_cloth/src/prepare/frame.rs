@@ -144,7 +144,7 @@ impl TickingItem<'_, '_> {
     /// Goes on with `method` in the shape and at the speed it has.
     fn set_method(&mut self, method: Method) {
         if self.constraints.method() != method {
-            self.constraints.set_method(method);
+            self.constraints.set_method(&self.topology.0, method);
             // Not every method measures it, and what another one left would go on to weigh on the cloth.
             self.particles.load.fill(0.0);
         }

@@ -42,10 +42,23 @@ impl Hinges {
         let Particles { position, moved, inverse_mass, .. } = particles;
         let per_step = splat(simd, 1.0 / (h * h));
         for (g, group) in self.batches.groups.iter().enumerate() {
-            let start = group.map(|slots| gather3(simd, position, &slots));
-            let moves = group.map(|slots| gather3(simd, moved, &slots));
-            let x = [0, 1, 2, 3].map(|i| start[i] - start[0] + moves[i]);
-            let w = group.map(|slots| gather(simd, inverse_mass, &slots));
+            // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
+            let [a, b, c, d] = group;
+            let origin = gather3(simd, position, a);
+            let moves =
+                [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c), gather3(simd, moved, d)];
+            let x = [
+                moves[0],
+                gather3(simd, position, b) - origin + moves[1],
+                gather3(simd, position, c) - origin + moves[2],
+                gather3(simd, position, d) - origin + moves[3],
+            ];
+            let w = [
+                gather(simd, inverse_mass, a),
+                gather(simd, inverse_mass, b),
+                gather(simd, inverse_mass, c),
+                gather(simd, inverse_mass, d),
+            ];
             let (angle, gradient) = angle_and_gradient(simd, x);
             let turn = wrap(simd, angle - f32x8::simd_from(simd, self.rest_angle[g]));
             let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;

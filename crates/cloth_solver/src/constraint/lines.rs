@@ -175,8 +175,8 @@ pub(crate) fn record_load<S: Simd>(simd: S, block: Block, lambda: &[f32], scale:
 /// substep, G the string's stiffness from the tension T h² = −λ of the last [`stretch`] beyond [`EXPLICIT_LOAD`].
 ///
 /// Under such a load an exact line pulls along where its links are predicted to point without it. To the waves that run
-/// across it that is an explicit step: with g = h² ω² it is stable for g < 4/3, and the highest wave has g = 4 T h²/(m l). Filtered so, it is
-/// stable for every g if θ ≥ 3/2. What does not move, and what all moves alike, is left as it is.
+/// across it that is an explicit step: with g = h² ω² it is stable for g < 4/3, and the highest wave has g = 4 T h²/(m l).
+/// Filtered so, it is stable for every g if θ ≥ 3/2. What does not move, and what all moves alike, is left as it is.
 #[inline(always)]
 pub(crate) fn soften<S: Simd>(
     simd: S,

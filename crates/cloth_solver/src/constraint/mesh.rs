@@ -12,7 +12,9 @@ use crate::{Fabric, Particles, Topology};
 pub(super) struct MeshConstraints {
     triangles: Triangles,
     hinges: Option<Hinges>,
-    pub forces: MeshForces,
+    fabric: Fabric,
+    /// Only for methods that step forces.
+    pub forces: Option<Box<MeshForces>>,
 }
 
 impl MeshConstraints {
@@ -21,8 +23,16 @@ impl MeshConstraints {
         let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
         Self {
             triangles: Triangles::new(topology, fabric, padding),
-            forces: MeshForces::new(topology, fabric),
+            fabric: *fabric,
+            forces: None,
             hinges: (bends && !topology.hinges.is_empty()).then(|| Hinges::new(topology, fabric, padding)),
+        }
+    }
+
+    /// Makes ready to be asked for forces, or gives back what that takes.
+    pub fn prepare_forces(&mut self, topology: &Topology, wanted: bool) {
+        if wanted != self.forces.is_some() {
+            self.forces = wanted.then(|| Box::new(MeshForces::new(topology, &self.fabric)));
         }
     }
 

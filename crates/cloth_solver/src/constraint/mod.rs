@@ -67,9 +67,12 @@ impl Constraints {
         Ok(Self { surface, damping: fabric.damping, ..Self::default() })
     }
 
-    /// Advances with `method` from now on.
-    pub fn set_method(&mut self, method: Method) {
+    /// Advances with `method` from now on. `topology` is the one the constraints were made for.
+    pub fn set_method(&mut self, topology: &Topology, method: Method) {
         self.method = method;
+        if let Surface::Mesh(mesh) = &mut self.surface {
+            mesh.prepare_forces(topology, method.steps_forces());
+        }
     }
 
     /// The method it is advanced with.
@@ -150,7 +153,7 @@ impl Constraints {
         match &self.surface {
             Surface::Empty => {}
             Surface::Grid(grid) => force::of_grid(grid, position, force),
-            Surface::Mesh(mesh) => mesh.forces.add(position, force),
+            Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(position, force)),
         }
     }
 

@@ -46,20 +46,22 @@ pub(super) struct Sheet<'a> {
 
 /// Smooths eight lines of cells at once: `y_k = x_k + c ((w_k + w_{k+1}) x_k − w_k x_{k−1} − w_{k+1} x_{k+1})`, w_k the mean
 /// mobility of the two particles between cells k − 1 and k. At a free edge, where the particles have half the mass and stress
-/// must vanish, that is what makes it vanish; at a pinned edge it may stand.
+/// must vanish, that is what makes it vanish; at a pinned edge it may stand. The inverse masses of the two particles are given
+/// as they lie beside the values, c with the half of the mean as their scale.
+// No closure here: it would be compiled without the instruction set that `find` is dispatched to.
 #[inline(always)]
 fn smooth<S: Simd>(
     simd: S,
     (values, base, stride, count): (&mut [f32], usize, usize, usize),
-    mobility: impl Fn(usize) -> f32x8<S>,
+    (one_side, other_side, scale): (&[f32], &[f32], f32),
     upper: &mut [f32],
 ) {
-    let one = splat(simd, 1.0);
-    let mut before = mobility(0);
+    let (one, scale) = (splat(simd, 1.0), splat(simd, scale));
+    let mut before = (load(simd, one_side, base) + load(simd, other_side, base)) * scale;
     let (mut last, mut last_upper) = (splat(simd, 0.0), splat(simd, 0.0));
     for k in 0..count {
         let at = base + k * stride;
-        let after = mobility(k + 1);
+        let after = (load(simd, one_side, at + stride) + load(simd, other_side, at + stride)) * scale;
         let inverse = one / (one + before + after - before * last_upper);
         last = (load(simd, values, at) + before * last) * inverse;
         last_upper = after * inverse;
@@ -115,12 +117,8 @@ impl Stress {
         }
         // Half, for the mean of two particles; times the mass of a cell, so that an inner particle has mobility 1.
         let cell = 0.5 * density * a * b * share;
-        let (along, down) = (splat(simd, along * cell), splat(simd, down * cell));
         for base in (0..columns - 1).step_by(LANES) {
-            let mobility = |k: usize| {
-                let at = base + k * stride;
-                (load(simd, inverse_mass, at) + load(simd, inverse_mass, at + 1)) * down
-            };
+            let mobility = (inverse_mass, &inverse_mass[1..], down * cell);
             smooth(simd, (&mut self.lambda, base, stride, rows - 1), mobility, &mut self.upper);
         }
         let of_cells = Rows { rows: rows - 1, stride };
@@ -128,8 +126,7 @@ impl Stress {
             lines::gather_rows(simd, &self.lambda, &mut self.rows, of_cells, first);
             lines::gather_rows(simd, inverse_mass, &mut self.rows_above, of_cells, first);
             lines::gather_rows(simd, &inverse_mass[stride..], &mut self.rows_below, of_cells, first);
-            let (above, below) = (&self.rows_above, &self.rows_below);
-            let mobility = |k: usize| (load(simd, above, k * LANES) + load(simd, below, k * LANES)) * along;
+            let mobility = (self.rows_above.as_slice(), self.rows_below.as_slice(), along * cell);
             smooth(simd, (&mut self.rows, 0, LANES, columns - 1), mobility, &mut self.upper);
             lines::scatter_rows(simd, &self.rows, &mut self.lambda, of_cells, first);
         }

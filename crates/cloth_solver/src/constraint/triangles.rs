@@ -50,25 +50,34 @@ impl Triangles {
     /// Solves every triangle once.
     #[inline(always)]
     pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
-        let per_area = |stiffness: f32| splat(simd, 1.0 / (stiffness * h * h));
+        let weft = splat(simd, 1.0 / (self.stretch_weft * h * h));
+        let warp = splat(simd, 1.0 / (self.stretch_warp * h * h));
+        let shear = splat(simd, 1.0 / (self.shear * h * h));
         for (g, group) in self.batches.groups.iter().enumerate() {
-            let w = [0, 1, 2].map(|i| gather(simd, &particles.inverse_mass, &group[i]));
-            let start = [0, 1, 2].map(|i| gather3(simd, &particles.position, &group[i]));
-            let moves = [0, 1, 2].map(|i| gather3(simd, &particles.moved, &group[i]));
+            // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
+            let [a, b, c] = group;
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            let w = [gather(simd, inverse_mass, a), gather(simd, inverse_mass, b), gather(simd, inverse_mass, c)];
             // Relative to the first corner, so that nothing is lost in large coordinates.
-            let origin = start[0];
-            let relative = start.map(|x| x - origin);
-            let mut x = [0, 1, 2].map(|i| relative[i] + moves[i]);
-            let m = self.inverse_rest[g].map(|lanes| f32x8::simd_from(simd, lanes));
+            let origin = gather3(simd, position, a);
+            let (to_b, to_c) = (gather3(simd, position, b) - origin, gather3(simd, position, c) - origin);
+            let mut x = [gather3(simd, moved, a), to_b + gather3(simd, moved, b), to_c + gather3(simd, moved, c)];
+            let [m0, m1, m2, m3] = self.inverse_rest[g];
+            let m = [
+                f32x8::simd_from(simd, m0),
+                f32x8::simd_from(simd, m1),
+                f32x8::simd_from(simd, m2),
+                f32x8::simd_from(simd, m3),
+            ];
             let inverse_area = f32x8::simd_from(simd, self.inverse_area[g]);
-            length(simd, &mut x, &w, [m[0], m[1]], per_area(self.stretch_weft) * inverse_area);
-            length(simd, &mut x, &w, [m[2], m[3]], per_area(self.stretch_warp) * inverse_area);
+            length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area);
+            length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area);
             if self.shear > 0.0 {
-                angle(&mut x, &w, m, per_area(self.shear) * inverse_area);
+                angle(&mut x, &w, m, shear * inverse_area);
             }
-            for i in 0..3 {
-                scatter3(x[i] - relative[i], &mut particles.moved, &group[i]);
-            }
+            scatter3(x[0], moved, a);
+            scatter3(x[1] - to_b, moved, b);
+            scatter3(x[2] - to_c, moved, c);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::{ClothError, Particles, Topology};
+use crate::{ClothError, Particles, Soa3, Topology};
 
 /// The air around a cloth and how it takes hold of it.
 ///
@@ -45,8 +45,9 @@ impl Air {
         ClothError::check("Air::porosity", self.porosity, 0.0..=1.0, "0..=1")
     }
 
-    /// Adds the air's force on every triangle to [`Particles::force`] for a tick of `dt` seconds. `wind` gives the
-    /// velocity of the air, m/s, at a point of the cloth's frame.
+    /// Adds the air's force on every face to [`Particles::force`] for a tick of `dt` seconds. `wind` gives the velocity of
+    /// the air, m/s, at a point of the cloth's frame. The faces of a rectangle are its cells, whose corners share their
+    /// force evenly, as they do their mass; those of any other mesh its triangles.
     ///
     /// What a particle gets within the tick never turns its motion against the air round: stable at any wind.
     pub fn blow(&self, topology: &Topology, particles: &mut Particles, dt: f32, wind: impl Fn(Vec3) -> Vec3) {
@@ -54,24 +55,65 @@ impl Air {
         if strength <= 0.0 || dt <= 0.0 {
             return;
         }
-        for (triangle, rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
-            let slots = triangle.map(|slot| slot as usize);
-            let [a, b, c] = slots.map(|slot| particles.position.get(slot));
-            let moving: Vec3 = slots.iter().map(|slot| particles.velocity.get(*slot)).sum::<Vec3>() / 3.0;
-            let relative = wind((a + b + c) / 3.0) - moving;
-            let speed = relative.length();
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let across = normal * normal.dot(relative);
-            let area = 0.5 * rest.determinant().abs();
-            // What would stop the lightest of its corners within the tick, per area.
-            let lightest = |least: f32, slot: &usize| least.min(particles.mass[*slot] / topology.area[*slot]);
-            let most = slots.iter().fold(f32::INFINITY, lightest) / dt;
-            let along = relative - across;
-            let push = |coefficient: f32| (strength * speed * coefficient).min(most) * area / 3.0;
-            let force = across * push(self.normal) + along * push(self.tangent);
-            for slot in slots {
-                particles.add_force(slot, force * topology.air_share[slot]);
+        let slots = particles.slots();
+        let mut force = particles.force.take().unwrap_or_else(|| Soa3::zeros(slots));
+        let gust = Gust { air: self, strength, topology, particles, dt };
+        match topology.grid {
+            Some(grid) => {
+                let area = grid.spacing.x * grid.spacing.y;
+                for (row, column) in grid.cells() {
+                    let corners = grid.cell(row, column).map(|slot| slot as usize);
+                    let [p00, p10, p01, p11] = corners.map(|slot| particles.position.get(slot));
+                    gust.push(corners, (p11 - p00).cross(p10 - p01), area, &wind, &mut force);
+                }
             }
+            None => {
+                for (triangle, rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
+                    let corners = triangle.map(|slot| slot as usize);
+                    let [a, b, c] = corners.map(|slot| particles.position.get(slot));
+                    gust.push(corners, (b - a).cross(c - a), 0.5 * rest.determinant().abs(), &wind, &mut force);
+                }
+            }
+        }
+        particles.force = Some(force);
+    }
+}
+
+/// The air of one tick.
+struct Gust<'a> {
+    air: &'a Air,
+    /// ½ ρ (1 − porosity), kg/m³.
+    strength: f32,
+    topology: &'a Topology,
+    particles: &'a Particles,
+    dt: f32,
+}
+
+impl Gust<'_> {
+    /// Adds the force on one face to its corners. `normal` may have any length.
+    fn push<const N: usize>(
+        &self,
+        corners: [usize; N],
+        normal: Vec3,
+        area: f32,
+        wind: &impl Fn(Vec3) -> Vec3,
+        force: &mut Soa3,
+    ) {
+        let Particles { position, velocity, mass, .. } = self.particles;
+        let share = 1.0 / N as f32;
+        let middle = corners.iter().map(|slot| position.get(*slot)).sum::<Vec3>() * share;
+        let relative = wind(middle) - corners.iter().map(|slot| velocity.get(*slot)).sum::<Vec3>() * share;
+        let speed = relative.length();
+        let normal = normal.normalize_or_zero();
+        let across = normal * normal.dot(relative);
+        let along = relative - across;
+        // What would stop the lightest of the corners within the tick, per area.
+        let lightest = |least: f32, slot: &usize| least.min(mass[*slot] / self.topology.area[*slot]);
+        let most = corners.iter().fold(f32::INFINITY, lightest) / self.dt;
+        let pull = |coefficient: f32| (self.strength * speed * coefficient).min(most) * area * share;
+        let each = across * pull(self.air.normal) + along * pull(self.air.tangent);
+        for slot in corners {
+            force.set(slot, force.get(slot) + each);
         }
     }
 }

@@ -83,7 +83,7 @@ impl Method {
 }
 
 /// First half of a substep: predicts positions from velocities and forces, and moves pinned particles along their frames.
-pub fn integrate(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
+pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Substep) {
     if constraints.method().steps_forces() {
         explicit::begin(particles, constraints, sub);
     } else {

@@ -85,7 +85,7 @@ impl Topology {
         let triangles: Vec<[u32; 3]> =
             grid.cells().flat_map(|(row, column)| cell_triangles(&grid, row, column)).collect();
         let (rest, area) = particles(&grid, size);
-        let triangle_rest: Vec<Mat2> = triangles
+        let triangle_rest = triangles
             .iter()
             .map(|t| {
                 let [p0, p1, p2] = t.map(|p| rest[p as usize].truncate());
@@ -95,7 +95,6 @@ impl Topology {
         let sides = hinge::sides(&triangles);
         let hinges: Vec<[u32; 4]> = hinge::hinges(&triangles, &sides).map(|(hinge, _)| hinge).collect();
         Ok(Self {
-            air_share: super::air_share(&area, &triangles, &triangle_rest),
             triangle_rest,
             edges: hinge::by_edge(&sides).map(|shared| shared[0].edge).collect(),
             hinge_rest: vec![0.0; hinges.len()],

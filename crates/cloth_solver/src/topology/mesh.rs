@@ -75,7 +75,6 @@ impl Topology {
         rest.resize(slots, rest.last().copied().unwrap_or_default());
         area.resize(slots, 0.0);
         Ok(Self {
-            air_share: super::air_share(&area, &triangles, &triangle_rest),
             edges: hinge::by_edge(&sides).map(|shared| shared[0].edge).collect(),
             rest,
             area,

@@ -49,10 +49,6 @@ pub struct Topology {
     /// Area each particle stands for, m²; 0 for padding. A third of each of its triangles, in a rectangle a quarter of
     /// each of its cells.
     pub area: Vec<f32>,
-    /// What a force on the triangles that is spread by thirds to their corners is to be multiplied with at each particle,
-    /// so that particles get it in proportion to their area: in a rectangle, whose corners have four or eight triangles but
-    /// all the same area, a third too little or too much; 1 in any other mesh. 0 for padding.
-    pub air_share: Vec<f32>,
     /// Triangles, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle its two edges `p1 − p0`, `p2 − p0` at rest as columns, in the triangle's plane with
@@ -70,17 +66,6 @@ pub struct Topology {
     pub vertex_particle: Vec<u32>,
     /// The rectangle's rows and columns, if it is one.
     pub grid: Option<Grid>,
-}
-
-/// [`Topology::air_share`] of particles of the given areas.
-fn air_share(area: &[f32], triangles: &[[u32; 3]], triangle_rest: &[Mat2]) -> Vec<f32> {
-    let mut thirds = vec![0.0_f32; area.len()];
-    for (triangle, rest) in triangles.iter().zip(triangle_rest) {
-        for slot in triangle {
-            thirds[*slot as usize] += 0.5 * rest.determinant().abs() / 3.0;
-        }
-    }
-    area.iter().zip(thirds).map(|(area, thirds)| if thirds > 0.0 { area / thirds } else { 0.0 }).collect()
 }
 
 impl Topology {

@@ -20,8 +20,17 @@ pub enum Judged {
     /// A motion: largest strain and shape for as long as the reference is sure of itself. Wrinkles grow from rounding to
     /// centimetres within tenths of a second; beyond, no two runs agree.
     Motion,
-    /// A small swing: its period and what is left of its amplitude too.
+    /// A motion whose energy is compared, too.
+    Whip,
+    /// A small swing: its energy, its period and what is left of its amplitude too.
     Swing,
+}
+
+impl Judged {
+    /// Whether energies are compared.
+    pub const fn by_energy(self) -> bool {
+        matches!(self, Self::Whip | Self::Swing)
+    }
 }
 
 /// A scene of the chart and what is compared in it.
@@ -43,7 +52,7 @@ pub const NAMES: [&str; 8] =
 ///
 /// - `top-hung`: cotton poplin by its whole top edge, at rest;
 /// - `corner-hung`: by its two upper corners, at rest;
-/// - `swing`: by its top edge, undamped, let go horizontally, 2 s;
+/// - `swing`: by its top edge, with cotton's own internal friction, let go horizontally, 2 s;
 /// - `drape`: laid on a ball of 25 cm, a little off its middle, 0.6 s;
 /// - `weight`: `top-hung` with 1000 particle masses on a free corner, at rest;
 /// - `flag`: a flag of knitted polyester by its left edge in a wind of 6 m/s, 0.5 s;
@@ -63,7 +72,7 @@ fn case(name: &'static str, cells: u32) -> Case {
     let scene = |cloth, seconds| Scene { title: name.into(), seconds, cloths: vec![cloth], ..Scene::default() };
     let (scene, judged) = match name {
         "corner-hung" => (scene(hung(ScenePins::Corners), 3.0), Judged::Rest),
-        "swing" => (scene(swung(90.0), 2.0), Judged::Motion),
+        "swing" => (scene(SceneCloth { damping: None, ..swung(90.0) }, 2.0), Judged::Whip),
         "drape" => {
             // Just above it, and not so even that any fold is as good as its mirror image.
             let at = Vec3::new(0.03, -BALL - 0.012, 0.02);

@@ -38,9 +38,9 @@ pub struct Difference {
     pub shape_rms: f64,
     /// Largest distance of a particle, mm.
     pub shape_max: f64,
-    /// Energy left above rest over the reference's; motions without friction only.
+    /// Energy left above rest over the reference's; swings only.
     pub energy_left: Option<f64>,
-    /// Largest energy above rest over that at the start; motions without friction only.
+    /// Largest energy above rest over that at the start; swings only.
     pub energy_most: Option<f64>,
     /// Period over the reference's; small swings only.
     pub period: Option<f64>,
@@ -77,7 +77,7 @@ impl Record {
             shape_max: 1e3 * apart().fold(0.0, f64::max).sqrt(),
             ..Difference::default()
         };
-        if case.scene.cloths.iter().all(|cloth| cloth.damping == Some(0.0)) {
+        if case.judged.by_energy() {
             let above = |record: &Self| record.energy.last().map(|energy| energy - rest_energy);
             difference.energy_left = above(self).zip(above(truth)).map(|(of, other)| of / other);
             let start = self.energy.first().map(|energy| energy - rest_energy);

@@ -27,7 +27,7 @@ pub struct Truth {
     pub record: Record,
     /// Where a case that is judged at rest starts.
     pub start: Option<Vec<DVec3>>,
-    /// Energy of hanging at rest, J; of cases without friction.
+    /// Energy of hanging at rest, J; of cases whose energy is compared.
     pub rest_energy: f64,
     /// How sure it is, in words.
     pub convergence: String,
@@ -85,8 +85,7 @@ fn at_rest(case: &Case, sheet: &Sheet) -> Truth {
 fn in_motion(case: &Case, sheet: &Sheet) -> Truth {
     let limit = 2.0 / highest_frequency(sheet, &sheet.flat);
     let [(mut coarse, coarse_shapes), (mut fine, mut fine_shapes)] = PARTS.map(|part| play(case, sheet, part * limit));
-    let hung = sheet.pinned.iter().any(|pinned| *pinned) && sheet.damping == 0.0;
-    let rest_energy = if hung { sheet.potential_energy(&hanging(sheet)) } else { 0.0 };
+    let rest_energy = if case.judged.by_energy() { sheet.potential_energy(&hanging(sheet)) } else { 0.0 };
     let apart = |tick: &usize| {
         let shapes = coarse_shapes[*tick].iter().zip(&fine_shapes[*tick]).map(|(a, b)| a.distance_squared(*b));
         let shape = 1e3 * (shapes.sum::<f64>() / sheet.mass.len() as f64).sqrt();

@@ -178,9 +178,9 @@ fn markdown(found: &Found) -> String {
         let _ = write!(text, "\n### {heading}: {}\n\n", measure.title);
         text += &equal_error(found, measure, limit).markdown();
     }
-    text += "\n## Small swing\n\nPeriod and amplitude after 5 s over the reference's, sinusoids fitted to the middle of the \
-             lower edge. Swing from horizontal: energy above rest after 2 s over the reference's, and the largest within the \
-             run over that at the start.\n\n";
+    text += "\n## Swings\n\nThe largest strain of the whole run. Energy above rest at the end (2 s and 5 s) over the reference's, and \
+             the largest within the run over that at the start. Small swing: period and amplitude over the reference's, of \
+             sinusoids fitted to the middle of the lower edge, the amplitude in the last two seconds.\n\n";
     text += &swings(found).markdown();
     text +=
         "\n## Time of one constraint\n\nLeast median over all settings and scenes, ns per constraint and solve.\n\n";
@@ -229,6 +229,7 @@ fn swings(found: &Found) -> Table {
         if let Some(d) = point.outcome.difference().filter(|d| d.energy_left.is_some()) {
             let (setting, time) = (point.setting.to_string(), number(point.median, 3));
             table.push([point.case.to_owned(), point.method.name().to_owned(), setting, time].into_iter().chain([
+                number(100.0 * d.strain_of_run, 3),
                 told(d.period),
                 told(d.amplitude),
                 told(d.energy_left),

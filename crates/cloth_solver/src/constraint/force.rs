@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::grid::GridConstraints;
+use super::removed::Along;
 use crate::topology::hinge_angle;
 use crate::{Fabric, Grid, Soa3, Topology};
 
@@ -14,11 +15,13 @@ pub(super) fn of_grid(constraints: &GridConstraints, position: &Soa3, force: &mu
     let (columns, rows) = (grid.columns as usize, grid.rows as usize);
     for row in 0..rows {
         let run = Run { first: row * stride, step: 1, count: columns, spacing: a };
-        run.add(position, force, b * constraints.row_width[row], fabric.stretch_weft, fabric.bend_weft);
+        let gone = |k| constraints.is_gone(Along::Weft, row, columns, k);
+        run.add(position, force, b * constraints.row_width[row], fabric.stretch_weft, fabric.bend_weft, gone);
     }
     for column in 0..columns {
         let run = Run { first: column, step: stride, count: rows, spacing: b };
-        run.add(position, force, a * constraints.column_width[column], fabric.stretch_warp, fabric.bend_warp);
+        let gone = |k| constraints.is_gone(Along::Warp, column, rows, k);
+        run.add(position, force, a * constraints.column_width[column], fabric.stretch_warp, fabric.bend_warp, gone);
     }
     let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
     if fabric.shear > 0.0 || twist > 0.0 {
@@ -39,19 +42,33 @@ struct Run {
 }
 
 impl Run {
-    /// Stretch and bending of a run that stands for `width` metres of fabric.
-    fn add(&self, position: &Soa3, force: &mut Soa3, width: f32, stretch: f32, bend: f32) {
+    /// Stretch and bending of a run that stands for `width` metres of fabric, but for its links that are `gone`.
+    fn add(
+        &self,
+        position: &Soa3,
+        force: &mut Soa3,
+        width: f32,
+        stretch: f32,
+        bend: f32,
+        gone: impl Fn(usize) -> bool,
+    ) {
         let (per_strain, l) = (stretch * width / self.spacing, self.spacing);
         let per_curl = bend * width / (l * l * l);
-        let mut last = Vec3::ZERO;
+        let (mut last, mut last_gone) = (Vec3::ZERO, true);
         for k in 0..self.count - 1 {
+            let this_gone = gone(k);
+            let bends = bend > 0.0 && !last_gone && !this_gone;
+            last_gone = this_gone;
+            if this_gone {
+                continue;
+            }
             let at = self.first + k * self.step;
             let next = at + self.step;
             let edge = position.get(next) - position.get(at);
             let length = edge.length();
             let pull = if length > 0.0 { edge * (per_strain * (1.0 - l / length)) } else { Vec3::ZERO };
             let mut here = pull;
-            if k > 0 && bend > 0.0 {
+            if bends {
                 let curl = (edge - last) * per_curl;
                 force.set(at - self.step, force.get(at - self.step) - curl);
                 here += 2.0 * curl;

@@ -5,6 +5,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells, ShearModel};
 use super::lines::{self, Block, Elimination, Rows};
+use super::removed::{Along, Gone, Removed};
 use super::shear::{Sheet, Stress};
 use super::sweep;
 use crate::lanes::{LANES, load, splat};
@@ -23,6 +24,7 @@ pub(super) struct GridConstraints {
     pub grid: Grid,
     pub fabric: Fabric,
     cell_mask: Vec<f32>,
+    removed: Option<Box<Removed>>,
     /// 1 inside, ½ for the outermost rows and columns, which stand for half the width; per row and per column slot.
     pub row_width: Vec<f32>,
     pub column_width: Vec<f32>,
@@ -54,6 +56,7 @@ impl GridConstraints {
             grid,
             fabric: *fabric,
             cell_mask,
+            removed: None,
             row_width: widths(rows, rows.next_multiple_of(LANES)),
             column_width: widths(columns, stride),
             rows_position: Soa3::zeros(stride * LANES),
@@ -73,9 +76,23 @@ impl GridConstraints {
         let mut count = columns * (rows - 1) + rows * (columns - 1);
         count += if self.fabric.shear > 0.0 { cells } else { 0 };
         count += if self.twist_stiffness() > 0.0 { cells } else { 0 };
-        count += if self.fabric.bend_warp > 0.0 { columns * (rows - 2) } else { 0 };
-        count + if self.fabric.bend_weft > 0.0 { rows * (columns - 2) } else { 0 }
+        let (links, [bends_weft, bends_warp]) = self.removed.as_ref().map_or((0, [0; 2]), |removed| removed.count());
+        count += if self.fabric.bend_warp > 0.0 { columns * (rows - 2) - bends_warp } else { 0 };
+        count += if self.fabric.bend_weft > 0.0 { rows * (columns - 2) - bends_weft } else { 0 };
+        count - links
     }
+
+    /// Removes the link between two slots, and the bends over it; `false` if there is none.
+    pub fn remove_link(&mut self, a: u32, b: u32) -> bool {
+        let grid = self.grid;
+        self.removed.get_or_insert_with(|| Box::new(Removed::new(&grid))).remove(&grid, a, b)
+    }
+
+    /// Whether link `k` of run `run`, of `count` particles, is gone.
+    pub fn is_gone(&self, along: Along, run: usize, count: usize, k: usize) -> bool {
+        self.removed.as_ref().is_some_and(|removed| removed.is_gone(along, run, count, k))
+    }
+
 
     /// Root mean square of what the last substep, of length `h`, left of `C + α̃ λ` in the links along warp and weft, in
     /// rest lengths.
@@ -92,18 +109,19 @@ impl GridConstraints {
         let mut sum = 0.0_f64;
         let mut add = |length: f32, rest: f32, slack: f32| sum += f64::from((length - rest + slack) / rest).powi(2);
         for row in 0..rows {
-            for k in 0..columns - 1 {
+            for k in (0..columns - 1).filter(|k| !self.is_gone(Along::Weft, row, columns, *k)) {
                 let slack = weft / self.row_width[row] * lambda(&self.weft_lambda, row, columns, k);
                 add(at(row, k).distance(at(row, k + 1)), a, slack);
             }
         }
         for column in 0..columns {
-            for k in 0..rows - 1 {
+            for k in (0..rows - 1).filter(|k| !self.is_gone(Along::Warp, column, rows, *k)) {
                 let slack = warp / self.column_width[column] * lambda(&self.warp_lambda, column, rows, k);
                 add(at(k, column).distance(at(k + 1, column)), b, slack);
             }
         }
-        (sum / (rows * (columns - 1) + columns * (rows - 1)) as f64).sqrt() as f32
+        let gone = self.removed.as_ref().map_or(0, |removed| removed.count().0);
+        (sum / (rows * (columns - 1) + columns * (rows - 1) - gone) as f64).sqrt() as f32
     }
 
     /// Bending stiffness against twist, N·m: the mean of warp and weft.
@@ -140,8 +158,9 @@ impl GridConstraints {
                     bend: if bends { Some(self.bend_weft_compliance(simd, first, h)) } else { None },
                 }),
             };
+            let gone = gone(&self.removed, Along::Weft, first, block);
             let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
-            sweep_block(simd, block, x, moved, w, compliance);
+            sweep_block(simd, block, x, moved, w, compliance, gone);
             scatter(simd, moved, &mut particles.moved, rows, first);
         }
         let Particles { position, moved, inverse_mass, .. } = particles;
@@ -154,7 +173,9 @@ impl GridConstraints {
                     bend: if bends { Some(self.bend_warp_compliance(simd, base, h)) } else { None },
                 }),
             };
-            sweep_block(simd, self.column_block(base), position, moved, inverse_mass, compliance);
+            let block = self.column_block(base);
+            let gone = gone(&self.removed, Along::Warp, base, block);
+            sweep_block(simd, block, position, moved, inverse_mass, compliance, gone);
         }
     }
 
@@ -273,11 +294,12 @@ impl GridConstraints {
             let stretch = self.stretch_weft_compliance(simd, first, h);
             let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
             let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
+            let gone = gone(&self.removed, Along::Weft, first, block);
             if let Some(compliance) = bend {
-                lines::bend(simd, block, x, moved, w, compliance, &mut self.elimination);
+                lines::bend(simd, block, x, moved, w, compliance, gone, &mut self.elimination);
             }
             let lambda = links(&mut self.weft_lambda, block, first);
-            let load_ratio = lines::stretch(simd, block, x, moved, w, stretch, lambda, &mut self.elimination);
+            let load_ratio = lines::stretch(simd, block, x, moved, w, stretch, gone, lambda, &mut self.elimination);
             largest = largest.max(load_ratio);
             scatter(simd, moved, &mut particles.moved, rows, first);
         }
@@ -291,18 +313,23 @@ impl GridConstraints {
         let Particles { position, moved, inverse_mass, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             let block = self.column_block(base);
-            if self.fabric.bend_warp > 0.0 {
-                let compliance = self.bend_warp_compliance(simd, base, h);
-                lines::bend(simd, block, position, moved, inverse_mass, compliance, &mut self.elimination);
-            }
+            let gone = gone(&self.removed, Along::Warp, base, block);
+            let bend = self.bend_warp_compliance(simd, base, h);
             let stretch = self.stretch_warp_compliance(simd, base, h);
-            let lambda = links(&mut self.warp_lambda, block, base);
-            let load_ratio =
-                lines::stretch(simd, block, position, moved, inverse_mass, stretch, lambda, &mut self.elimination);
+            let (lambda, work) = (links(&mut self.warp_lambda, block, base), &mut self.elimination);
+            if self.fabric.bend_warp > 0.0 {
+                lines::bend(simd, block, position, moved, inverse_mass, bend, gone, work);
+            }
+            let load_ratio = lines::stretch(simd, block, position, moved, inverse_mass, stretch, gone, lambda, work);
             largest = largest.max(load_ratio);
         }
         largest.reduce_max()
     }
+}
+
+/// What is removed of the links along `along` of the block that starts with run `first`.
+fn gone(removed: &Option<Box<Removed>>, along: Along, first: usize, block: Block) -> Gone<'_> {
+    removed.as_ref().map_or(Gone::NONE, |removed| removed.block(along, first, block))
 }
 
 /// How a grid is swept.
@@ -329,22 +356,24 @@ fn sweep_block<S: Simd>(
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: Option<Compliance<S>>,
+    gone: Gone<'_>,
 ) {
     match compliance {
         Some(Compliance { stretch, bend }) => {
             if let Some(bend) = bend {
-                sweep::bend(simd, block, position, moved, inverse_mass, bend);
+                sweep::bend(simd, block, position, moved, inverse_mass, bend, gone);
             }
-            sweep::stretch(simd, block, position, moved, inverse_mass, stretch);
+            sweep::stretch(simd, block, position, moved, inverse_mass, stretch, gone);
         }
         None => {
             let rigid = splat(simd, 0.0);
-            for every_second in [block.every_second(0), block.every_second(1)] {
-                if every_second.count > 1 {
-                    sweep::stretch(simd, every_second, position, moved, inverse_mass, rigid);
+            for from in 0..2 {
+                let (block, gone) = (block.every_second(from), gone.every_second(from));
+                if block.count > 1 {
+                    sweep::stretch(simd, block, position, moved, inverse_mass, rigid, gone);
                 }
             }
-            sweep::stretch(simd, block, position, moved, inverse_mass, rigid);
+            sweep::stretch(simd, block, position, moved, inverse_mass, rigid, gone);
         }
     }
 }

@@ -16,16 +16,17 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
+use super::removed::Gone;
 use crate::Soa3;
 use crate::lanes::{LANES, Vec3x8, load, splat, store, transpose};
 
 /// T h²/(m l) up to which the waves across a line are left explicit: those of warp and weft add up, and the limit is ⅓.
-pub(crate) const EXPLICIT_LOAD: f32 = 0.15;
+pub(crate) const EXPLICIT_LOAD: f32 = 0.22;
 
 /// Up to which T h²/(m l), predicted strain and 1 − cos of the turn within a substep a link pulls along the direction it had
 /// when the substep began; beyond three times as much it pulls along the one it is predicted to have. See [`stretch`].
-const CALM_LOAD: f32 = 0.1;
-const CALM_STRAIN: f32 = 0.005;
+const CALM_LOAD: f32 = 0.15;
+const CALM_STRAIN: f32 = 0.007;
 const CALM_TURN: f32 = 0.025;
 
 /// Eight runs of `count` particles each.
@@ -94,6 +95,7 @@ pub(crate) fn stretch<S: Simd>(
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    gone: Gone<'_>,
     lambda: &mut [f32],
     work: &mut Elimination,
 ) -> f32x8<S> {
@@ -128,7 +130,7 @@ pub(crate) fn stretch<S: Simd>(
         let off = -(w * last.dot(pull));
         let upper = off * last_inverse;
         // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
-        let inverse = one / ((w + w_next) * pull.dot(pull) + compliance - off * upper).max(tiny);
+        let inverse = one / ((w + w_next) * pull.dot(pull) + gone.link(simd, k, compliance) - off * upper).max(tiny);
         let rhs = (rest - length - off * last_rhs) * inverse;
         pull.store(&mut work.vector, k * LANES);
         store(upper, &mut work.upper, k * LANES);
@@ -236,6 +238,7 @@ pub(crate) fn bend<S: Simd>(
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    gone: Gone<'_>,
     work: &mut Elimination,
 ) {
     let Block { base, stride, count, .. } = block;
@@ -260,7 +263,7 @@ pub(crate) fn bend<S: Simd>(
         // The factors below the diagonal times their pivots; the nearer one, which is negative, with its sign turned.
         let near = two * (w0 + w1) * inner - far * near1;
         let (near_factor, far_factor) = (near * inverse1, far * inverse2);
-        let pivot = w0 + two * two * w1 + w2 + compliance - near_factor * near - far_factor * far;
+        let pivot = w0 + two * two * w1 + w2 + gone.bend(simd, k, compliance) - near_factor * near - far_factor * far;
         let inverse = one / pivot;
         let curl = edge - edge_next;
         let y = curl + y1 * near_factor - y2 * far_factor;

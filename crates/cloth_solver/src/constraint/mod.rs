@@ -10,6 +10,7 @@ mod hinges;
 mod lines;
 mod mesh;
 mod pin;
+mod removed;
 mod shear;
 mod stiffness;
 mod sweep;
@@ -124,6 +125,16 @@ impl Constraints {
     pub fn set_tethers(&mut self, topology: &Topology, slack: Option<f32>) {
         let pinned = self.pins.pins.iter().map(|pin| pin.particle);
         self.tethers = slack.map(|slack| Tethers::new(topology, pinned, slack));
+    }
+
+    /// Removes the link along warp or weft between two neighbouring particles of a rectangle, and its bending with the next
+    /// ones; `false` if there is none. Shear and twist of the cells on both sides stay, and so does what the topology says:
+    /// triangles, measures.
+    pub fn remove_link(&mut self, a: u32, b: u32) -> bool {
+        match &mut self.surface {
+            Surface::Grid(grid) => grid.remove_link(a, b),
+            Surface::Mesh(_) | Surface::Empty => false,
+        }
     }
 
     /// Number of constraints solved in a substep: one per stretched edge, bend, shear, twist, hinge and tether.

@@ -4,6 +4,7 @@
 use fearless_simd::{Simd, f32x8};
 
 use super::lines::Block;
+use super::removed::Gone;
 use crate::Soa3;
 use crate::lanes::{Vec3x8, load, splat};
 use fearless_simd::prelude::*;
@@ -17,6 +18,7 @@ pub(super) fn stretch<S: Simd>(
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    gone: Gone<'_>,
 ) {
     let (one, tiny, rest) = (splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE), splat(simd, block.spacing));
     for colour in 0..2 {
@@ -26,7 +28,7 @@ pub(super) fn stretch<S: Simd>(
             let edge = Vec3x8::load(simd, position, b) - Vec3x8::load(simd, position, a) + (to - from);
             let (wa, wb) = (load(simd, inverse_mass, a), load(simd, inverse_mass, b));
             let length = edge.length();
-            let pull = edge * ((length - rest) / ((wa + wb + compliance).max(tiny) * length.max(tiny)) * one);
+            let pull = edge * ((length - rest) / ((wa + wb + gone.link(simd, k, compliance)).max(tiny) * length.max(tiny)) * one);
             (from + pull * wa).store(moved, a);
             (to - pull * wb).store(moved, b);
         }
@@ -42,19 +44,23 @@ pub(super) fn bend<S: Simd>(
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
+    gone: Gone<'_>,
 ) {
     let two = splat(simd, 2.0);
     for colour in 1..4 {
         for k in (colour..block.count.saturating_sub(1)).step_by(3) {
-            let slots = [block.at(k - 1), block.at(k), block.at(k + 1)];
-            let [d0, d1, d2] = slots.map(|at| Vec3x8::load(simd, moved, at));
-            let [x0, x1, x2] = slots.map(|at| Vec3x8::load(simd, position, at));
-            let [w0, w1, w2] = slots.map(|at| load(simd, inverse_mass, at));
+            // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
+            let (a, b, c) = (block.at(k - 1), block.at(k), block.at(k + 1));
+            let (d0, d1, d2) = (Vec3x8::load(simd, moved, a), Vec3x8::load(simd, moved, b), Vec3x8::load(simd, moved, c));
+            let (x0, x1) = (Vec3x8::load(simd, position, a), Vec3x8::load(simd, position, b));
+            let x2 = Vec3x8::load(simd, position, c);
+            let (w0, w1) = (load(simd, inverse_mass, a), load(simd, inverse_mass, b));
+            let w2 = load(simd, inverse_mass, c);
             let curl = (x1 - x0) - (x2 - x1) + ((d1 - d0) - (d2 - d1));
-            let push = curl * (splat(simd, 1.0) / (w0 + two * two * w1 + w2 + compliance));
-            (d0 + push * w0).store(moved, slots[0]);
-            (d1 - push * (two * w1)).store(moved, slots[1]);
-            (d2 + push * w2).store(moved, slots[2]);
+            let push = curl * (splat(simd, 1.0) / (w0 + two * two * w1 + w2 + gone.bend(simd, k, compliance)));
+            (d0 + push * w0).store(moved, a);
+            (d1 - push * (two * w1)).store(moved, b);
+            (d2 + push * w2).store(moved, c);
         }
     }
 }

@@ -41,10 +41,10 @@ impl Rapier {
         let (springs, bends) = springs(setup);
         let to = |p: &Vec3| Vector::new(p.x, p.y, p.z);
         let softness = softness(setup, &masses, springs.iter().chain(&bends));
-        let mut sheet = SoftBodyBuilder::new(rest(setup))
+        let mut sheet = SoftBodyBuilder::new(setup.flat().map(|p| to(&p)).collect())
             .edges(springs.iter().map(|s| s.ends.map(|p| p as u32)).collect())
             .bend_edges(bends.iter().map(|s| s.ends.map(|p| p as u32)).collect())
-            .surface(surface(setup.side))
+            .surface(setup.triangles())
             .masses(masses)
             .material(SoftBodyMaterial { deformation_damping: setup.fabric.damping, ..SoftBodyMaterial::default() })
             .particle_settings(SoftBodyParticleSettings {
@@ -152,23 +152,6 @@ fn softness<'a>(
             // Between two pins there is nothing to solve; a frequency of 0 would be 0/0.
             let frequency = if give > 0.0 { (stiffness * give).sqrt() / core::f32::consts::TAU } else { 1.0 };
             (index as u32, SpringCoefficients::new(frequency, 0.0))
-        })
-        .collect()
-}
-
-/// The flat sheet, from which rapier takes its rest lengths.
-fn rest(setup: &Setup) -> Vec<Vector> {
-    let part = |i: usize| i as f32 * setup.spacing() - 0.5;
-    (0..setup.side * setup.side).map(|i| Vector::new(part(i % setup.side), -part(i / setup.side), 0.0)).collect()
-}
-
-/// Two triangles to a cell.
-fn surface(side: usize) -> Vec<[u32; 3]> {
-    (0..(side - 1) * (side - 1))
-        .flat_map(|cell| {
-            let a = (cell / (side - 1) * side + cell % (side - 1)) as u32;
-            let below = a + side as u32;
-            [[a, below, below + 1], [a, below + 1, a + 1]]
         })
         .collect()
 }

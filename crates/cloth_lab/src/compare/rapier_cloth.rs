@@ -39,7 +39,7 @@ impl RapierCloth {
     pub fn new(setup: &Setup, substeps: u32, iterations: u32, rigid: bool) -> Result<Self, String> {
         let say = |error: ClothError| error.to_string();
         let own = setup.cloth(cloth_solver::Method::default()).map_err(|error| error.to_string())?;
-        let mut mesh = ClothMesh::new(rest(setup), triangles(setup.side)).map_err(say)?;
+        let mut mesh = ClothMesh::new(setup.flat().map(|p| theirs(&p)).collect(), setup.triangles()).map_err(say)?;
         let hinges = hinges(setup)?;
         mesh.scale_edge_compliance(|edge| 1.0 / stiffness(setup, edge.vertices)).map_err(say)?;
         let bend = |ends: [u32; 4]| hinges.get(&pair(ends[0], ends[1])).copied().unwrap_or(f32::MIN_POSITIVE);
@@ -117,23 +117,6 @@ fn theirs(v: &Vec3) -> Theirs {
     Theirs::new(v.x, v.y, v.z)
 }
 
-/// The flat sheet, from which the engine takes its rest lengths and masses.
-fn rest(setup: &Setup) -> Vec<Theirs> {
-    let part = |i: usize| i as f32 * setup.spacing() - 0.5;
-    (0..setup.side * setup.side).map(|i| Theirs::new(part(i % setup.side), -part(i / setup.side), 0.0)).collect()
-}
-
-/// Two triangles to a cell, all diagonals from the upper left, so that inner particles have one mass.
-fn triangles(side: usize) -> Vec<[u32; 3]> {
-    (0..(side - 1) * (side - 1))
-        .flat_map(|cell| {
-            let a = (cell / (side - 1) * side + cell % (side - 1)) as u32;
-            let below = a + side as u32;
-            [[a, below, below + 1], [a, below + 1, a + 1]]
-        })
-        .collect()
-}
-
 /// Stiffness of the edge between two particles, N/m.
 fn stiffness(setup: &Setup, [a, b]: [u32; 2]) -> f32 {
     let (side, fabric) = (setup.side as u32, &setup.fabric);
@@ -151,8 +134,8 @@ fn stiffness(setup: &Setup, [a, b]: [u32; 2]) -> f32 {
 
 /// Bending stiffness of each hinge by the ends of its edge, N·m per rad².
 fn hinges(setup: &Setup) -> Result<std::collections::HashMap<[u32; 2], f32>, String> {
-    let positions: Vec<Vec3> = rest(setup).iter().map(|p| Vec3::new(p.x, p.y, p.z)).collect();
-    let indices: Vec<u32> = triangles(setup.side).into_iter().flatten().collect();
+    let positions: Vec<Vec3> = setup.flat().collect();
+    let indices: Vec<u32> = setup.triangles().into_iter().flatten().collect();
     let topology = cloth_solver::Topology::from_mesh(MeshSource { positions: &positions, uvs: &[], indices: &indices })
         .map_err(|error| error.to_string())?;
     let mut vertex = vec![0; topology.slots()];
@@ -188,7 +171,7 @@ mod tests {
     fn every_inner_edge_of_the_mesh_bends_as_a_hinge_of_this_project() {
         let setup = &Setup::all(6, 1.0)[0];
         let hinges = hinges(setup).unwrap();
-        let mesh = ClothMesh::new(rest(setup), triangles(6)).unwrap();
+        let mesh = ClothMesh::new(setup.flat().map(|p| theirs(&p)).collect(), setup.triangles()).unwrap();
         assert_eq!(mesh.hinges().len(), hinges.len());
         assert!(mesh.hinges().iter().all(|hinge| hinges.contains_key(&pair(hinge.vertices[0], hinge.vertices[1]))));
     }

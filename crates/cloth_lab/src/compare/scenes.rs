@@ -56,6 +56,24 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Where each particle of the flat sheet is, m.
+    pub fn flat(&self) -> impl Iterator<Item = Vec3> + '_ {
+        let part = |i: usize| i as f32 * self.spacing() - 0.5;
+        (0..self.side * self.side).map(move |i| Vec3::new(part(i % self.side), -part(i / self.side), 0.0))
+    }
+
+    /// Two triangles to a cell, all diagonals from the upper left, so that inner particles have one mass.
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let side = self.side;
+        (0..(side - 1) * (side - 1))
+            .flat_map(|cell| {
+                let a = (cell / (side - 1) * side + cell % (side - 1)) as u32;
+                let below = a + side as u32;
+                [[a, below, below + 1], [a, below + 1, a + 1]]
+            })
+            .collect()
+    }
+
     /// All scenes, for a sheet of `side` × `side` particles; those that come to rest are given `seconds` for it. They are
     /// scenes of the chart, under the same names.
     pub fn all(side: usize, seconds: f32) -> Vec<Self> {

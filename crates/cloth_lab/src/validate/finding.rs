@@ -132,8 +132,20 @@ impl Bench {
         expected: f64,
         bound: Bound,
     ) {
-        let quantity = quantity.into();
-        self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed: true });
+        self.add(check, quantity.into(), method, value, expected, bound, true);
+    }
+
+    fn add(
+        &mut self,
+        check: &'static str,
+        quantity: String,
+        method: Method,
+        value: f64,
+        expected: f64,
+        bound: Bound,
+        claimed: bool,
+    ) {
+        self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed });
     }
 
     /// Adds a finding about stiffness: shape at rest, and the frequencies of what is taut, which methods whose stiffness
@@ -148,8 +160,7 @@ impl Bench {
         bound: Bound,
     ) {
         let claimed = method == Method::default() || !matches!(method, Method::Pbd | Method::XpbdSweeps);
-        let quantity = quantity.into();
-        self.findings.push(Finding { check, quantity, method: Some(method), value, expected, bound, claimed });
+        self.add(check, quantity.into(), method, value, expected, bound, claimed);
     }
 }
 

@@ -93,7 +93,6 @@ impl GridConstraints {
         self.removed.as_ref().is_some_and(|removed| removed.is_gone(along, run, count, k))
     }
 
-
     /// Root mean square of what the last substep, of length `h`, left of `C + α̃ λ` in the links along warp and weft, in
     /// rest lengths.
     pub fn residual(&self, particles: &Particles, h: f32) -> f32 {

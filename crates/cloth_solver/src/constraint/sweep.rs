@@ -28,7 +28,8 @@ pub(super) fn stretch<S: Simd>(
             let edge = Vec3x8::load(simd, position, b) - Vec3x8::load(simd, position, a) + (to - from);
             let (wa, wb) = (load(simd, inverse_mass, a), load(simd, inverse_mass, b));
             let length = edge.length();
-            let pull = edge * ((length - rest) / ((wa + wb + gone.link(simd, k, compliance)).max(tiny) * length.max(tiny)) * one);
+            let pull = edge
+                * ((length - rest) / ((wa + wb + gone.link(simd, k, compliance)).max(tiny) * length.max(tiny)) * one);
             (from + pull * wa).store(moved, a);
             (to - pull * wb).store(moved, b);
         }
@@ -51,7 +52,8 @@ pub(super) fn bend<S: Simd>(
         for k in (colour..block.count.saturating_sub(1)).step_by(3) {
             // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
             let (a, b, c) = (block.at(k - 1), block.at(k), block.at(k + 1));
-            let (d0, d1, d2) = (Vec3x8::load(simd, moved, a), Vec3x8::load(simd, moved, b), Vec3x8::load(simd, moved, c));
+            let (d0, d1, d2) =
+                (Vec3x8::load(simd, moved, a), Vec3x8::load(simd, moved, b), Vec3x8::load(simd, moved, c));
             let (x0, x1) = (Vec3x8::load(simd, position, a), Vec3x8::load(simd, position, b));
             let x2 = Vec3x8::load(simd, position, c);
             let (w0, w1) = (load(simd, inverse_mass, a), load(simd, inverse_mass, b));

@@ -94,11 +94,9 @@ fn label(method: Method) -> &'static str {
         Method::SymplecticEuler => "symplectic Euler",
         Method::StormerVerlet => "Störmer–Verlet",
         Method::RungeKutta4 => "Runge–Kutta 4",
-        Method::ImplicitEuler => "implicit Euler",
         Method::Pbd => "PBD",
         Method::XpbdSweeps => "XPBD, sweeps",
         Method::XpbdLines => "XPBD, lines",
-        Method::ProjectiveDynamics => "projective dynamics",
     }
 }
 

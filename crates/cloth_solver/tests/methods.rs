@@ -14,7 +14,6 @@ const SOFT: Fabric =
 
 fn budget(method: Method) -> Tick {
     match method {
-        Method::ImplicitEuler | Method::ProjectiveDynamics => Tick { substeps: 2, iterations: 10, ..TICK },
         Method::XpbdLines => TICK,
         _ => Tick { substeps: 40, ..TICK },
     }

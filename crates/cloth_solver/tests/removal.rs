@@ -10,10 +10,9 @@ const SOFT: Fabric =
     Fabric { stretch_warp: 50.0, stretch_weft: 50.0, shear: 5.0, damping: 0.0, ..Fabric::COTTON_POPLIN };
 
 #[test]
-fn what_is_cut_off_from_its_pins_falls_by_every_method_that_can_remove_links() {
-    // Those two factor a matrix when they start; explicit Euler has no stability.
-    let cannot = [Method::ImplicitEuler, Method::ProjectiveDynamics, Method::ExplicitEuler];
-    for method in Method::ALL.into_iter().filter(|method| !cannot.contains(method)) {
+fn what_is_cut_off_from_its_pins_falls_by_every_method() {
+    // Explicit Euler has no stability.
+    for method in Method::ALL.into_iter().filter(|method| *method != Method::ExplicitEuler) {
         let mut cloth = rectangle(0.5, 0.5, 10, 10, &SOFT);
         cloth.set_method(method);
         pin_top(&mut cloth, 0..=10);

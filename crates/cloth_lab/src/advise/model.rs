@@ -160,13 +160,9 @@ impl Change {
             Method::ExplicitEuler => Vec::new(),
             Method::SymplecticEuler | Method::StormerVerlet => explicit(2.0),
             Method::RungeKutta4 => explicit(2.83),
-            Method::ImplicitEuler => vec![(1, 2), (2, 2), (5, 2), (10, 2)],
             Method::Pbd => vec![(1, 10), (2, 10), (5, 10), (10, 10)],
             Method::XpbdSweeps => vec![(5, 1), (10, 1), (20, 1), (40, 1)],
             Method::XpbdLines => vec![(2, 1), (5, 1), (10, 1), (20, 1)],
-            Method::ProjectiveDynamics => vec![(1, 5), (2, 5), (5, 2), (5, 5), (10, 5)],
-            #[allow(unreachable_patterns)]
-            _ => vec![(1, 5), (5, 2), (10, 2)],
         };
         if quick {
             budgets.truncate(2);

@@ -50,8 +50,6 @@ pub const CHANGES: [&str; 3] = ["one grab", "500 contacts", "100 removed edges"]
 pub fn setting(method: Method) -> Setting {
     let (substeps, iterations) = match method {
         Method::ExplicitEuler | Method::SymplecticEuler | Method::StormerVerlet | Method::RungeKutta4 => (512, 1),
-        Method::ImplicitEuler => (2, 1),
-        Method::ProjectiveDynamics => (5, 2),
         _ => (10, 1),
     };
     Setting { substeps, iterations }
@@ -101,8 +99,7 @@ fn apply(cloth: &mut Cloth, change: &str) -> Option<()> {
             let shape = Shape::cuboid(Vec3::splat(BOX)).ok()?;
             cloth.contacts.colliders.push(Collider { shape, motion: Motion::at_rest(pose), friction: 0.3 });
         }
-        // Two slits of fifty links. The methods that factor a matrix would have to assemble it anew.
-        _ if matches!(cloth.constraints.method(), Method::ImplicitEuler | Method::ProjectiveDynamics) => return None,
+        // Two slits of fifty links.
         _ => {
             let grid = cloth.topology.grid?;
             for column in [grid.columns / 4, grid.columns / 2] {

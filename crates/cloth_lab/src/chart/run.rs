@@ -90,13 +90,9 @@ pub fn settings(method: Method, quick: bool) -> Vec<Setting> {
         Method::ExplicitEuler | Method::SymplecticEuler | Method::StormerVerlet | Method::RungeKutta4 => {
             of(&[(64, 1), (128, 1), (192, 1), (256, 1), (384, 1), (512, 1), (1024, 1), (2048, 1)])
         }
-        Method::ImplicitEuler => of(&[(1, 1), (1, 3), (1, 10), (2, 2), (5, 1), (5, 3), (10, 1), (20, 1)]),
         Method::Pbd => of(&[(1, 1), (1, 5), (1, 20), (1, 80), (5, 1), (5, 4), (20, 1), (40, 1)]),
         Method::XpbdSweeps => of(&[(1, 1), (1, 20), (5, 1), (10, 1), (20, 1), (40, 1), (10, 4), (40, 4), (160, 1)]),
         Method::XpbdLines => of(&[(1, 1), (2, 1), (5, 1), (10, 1), (20, 1), (40, 1), (80, 1)]),
-        _ => {
-            of(&[(1, 1), (1, 2), (1, 5), (1, 20), (2, 2), (5, 1), (5, 2), (5, 10), (10, 1), (10, 3), (20, 1), (20, 5)])
-        }
     };
     let all = if method.iterates() { all } else { all.into_iter().filter(|setting| setting.iterations == 1).collect() };
     if quick { all.into_iter().step_by(2).collect() } else { all }

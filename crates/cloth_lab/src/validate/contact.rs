@@ -9,7 +9,7 @@ use super::hang::level;
 use super::rig::{self, G, GRAVITY};
 
 /// Methods whose constraints meet contact in their own way.
-const METHODS: &[Method] = &[Method::XpbdLines, Method::ProjectiveDynamics];
+const METHODS: &[Method] = &[Method::XpbdLines];
 
 /// A sheet of 0.2 m on a plane that slopes down along +x by `slope` rad.
 fn on_incline(method: Method, slope: f32, friction: f32) -> Result<Cloth, ClothError> {

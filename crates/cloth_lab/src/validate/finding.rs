@@ -165,19 +165,12 @@ impl Bench {
 }
 
 /// Methods that hold cloth in shape at the budget of a game: what statics are checked with.
-pub const STATIC: &[Method] =
-    &[Method::XpbdLines, Method::XpbdSweeps, Method::ImplicitEuler, Method::ProjectiveDynamics, Method::Pbd];
+pub const STATIC: &[Method] = &[Method::XpbdLines, Method::XpbdSweeps, Method::Pbd];
 
 /// The tick that a method is checked at: the default's own budget for the default, for the others one of about its cost.
 pub fn budget(method: Method) -> Tick {
     let scene = Scene::default();
-    let (substeps, iterations) = if method == Method::default() {
-        (scene.substeps, scene.iterations)
-    } else if matches!(method, Method::ImplicitEuler | Method::ProjectiveDynamics) {
-        (10, 2)
-    } else {
-        (10, 1)
-    };
+    let (substeps, iterations) = if method == Method::default() { (scene.substeps, scene.iterations) } else { (10, 1) };
     Tick { dt: 1.0 / scene.rate, substeps, iterations }
 }
 

@@ -11,7 +11,7 @@ use super::rig::{self, G, GRAVITY};
 const AMPLITUDE: f64 = 1e-3;
 
 /// Methods that resolve a swing of a few Hz at their budget.
-const METHODS: &[Method] = &[Method::XpbdSweeps, Method::ImplicitEuler, Method::ProjectiveDynamics];
+const METHODS: &[Method] = &[Method::XpbdSweeps];
 
 /// Records `signal` for `seconds` and finds its frequency, about `guess` Hz.
 fn frequency(

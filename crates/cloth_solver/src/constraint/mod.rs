@@ -12,7 +12,6 @@ mod mesh;
 mod pin;
 mod removed;
 mod shear;
-mod stiffness;
 mod sweep;
 mod tether;
 mod triangles;
@@ -42,8 +41,6 @@ pub struct Constraints {
     /// Rate of internal friction, 1/s.
     damping: f32,
     method: Method,
-    /// Working memory of the methods that factor matrices.
-    pub(crate) factored: crate::method::factored::Factored,
     /// Working memory of the methods that step forces.
     pub(crate) explicit: crate::method::explicit::Scratch,
 }
@@ -165,25 +162,6 @@ impl Constraints {
             Surface::Empty => {}
             Surface::Grid(grid) => force::of_grid(grid, position, force),
             Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(position, force)),
-        }
-    }
-
-    /// Whether the cloth is a rectangle of rows and columns.
-    pub(crate) fn is_grid(&self) -> bool {
-        matches!(self.surface, Surface::Grid(_))
-    }
-
-    /// Stiffness of a rectangle at rest without directions, N/m: calls `add` for each pair of slots, as often as need be.
-    pub(crate) fn stiffness_at_rest(&self, add: &mut dyn FnMut(usize, usize, f32)) {
-        if let Surface::Grid(grid) = &self.surface {
-            stiffness::at_rest(grid, add);
-        }
-    }
-
-    /// Stiffness of a rectangle at `position`, N/m.
-    pub(crate) fn stiffness_now(&self, position: &Soa3, add: &mut dyn FnMut(usize, usize, glam::Mat3)) {
-        if let Surface::Grid(grid) = &self.surface {
-            stiffness::now(grid, position, add);
         }
     }
 

@@ -1,7 +1,6 @@
 //! Time-stepping methods, one file each, on the same fabric, topology and forces.
 
 pub(crate) mod explicit;
-pub(crate) mod factored;
 pub mod xpbd;
 
 #[cfg(feature = "ecs")]
@@ -25,9 +24,6 @@ pub enum Method {
     StormerVerlet,
     /// The classical Runge–Kutta method of fourth order: four evaluations of the forces. Stable for `h < 2.83/ω`.
     RungeKutta4,
-    /// Implicit (backward) Euler, Newton's method with a sparse factorisation in each iteration (Baraff & Witkin 1998).
-    /// Rectangles only; any other mesh is swept.
-    ImplicitEuler,
     /// Position-based dynamics (Müller et al. 2007): Verlet and projection, no compliance: stiffness depends on step and
     /// iterations.
     Pbd,
@@ -37,23 +33,18 @@ pub enum Method {
     /// default. Any other mesh is swept.
     #[default]
     XpbdLines,
-    /// Projective dynamics (Bouaziz et al. 2014) with a prefactored sparse Cholesky. Rectangles only; any other mesh is
-    /// swept.
-    ProjectiveDynamics,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 7] = [
         Self::ExplicitEuler,
         Self::SymplecticEuler,
         Self::StormerVerlet,
         Self::RungeKutta4,
-        Self::ImplicitEuler,
         Self::Pbd,
         Self::XpbdSweeps,
         Self::XpbdLines,
-        Self::ProjectiveDynamics,
     ];
 
     /// Its name in lower case with hyphens, as on a command line.
@@ -63,11 +54,9 @@ impl Method {
             Self::SymplecticEuler => "symplectic-euler",
             Self::StormerVerlet => "stormer-verlet",
             Self::RungeKutta4 => "rk4",
-            Self::ImplicitEuler => "implicit-euler",
             Self::Pbd => "pbd",
             Self::XpbdSweeps => "xpbd-sweeps",
             Self::XpbdLines => "xpbd-lines",
-            Self::ProjectiveDynamics => "projective-dynamics",
         }
     }
 
@@ -78,7 +67,7 @@ impl Method {
 
     /// Whether more than one iteration in a substep changes the result.
     pub const fn iterates(self) -> bool {
-        matches!(self, Self::ImplicitEuler | Self::Pbd | Self::ProjectiveDynamics)
+        matches!(self, Self::Pbd)
     }
 }
 

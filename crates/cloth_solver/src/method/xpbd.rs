@@ -10,7 +10,6 @@
 
 use fearless_simd::{Simd, dispatch};
 
-use super::Method;
 use crate::Particles;
 use crate::cloth::Substep;
 use crate::constraint::Constraints;
@@ -27,12 +26,7 @@ pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Sub
 
 /// Solves all constraints once and takes velocities from the change of position.
 pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
-    match constraints.method() {
-        Method::ImplicitEuler | Method::ProjectiveDynamics if constraints.is_grid() => {
-            super::factored::solve(particles, constraints, sub);
-        }
-        _ => constraints.solve(particles, sub),
-    }
+    constraints.solve(particles, sub);
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));
 }
 

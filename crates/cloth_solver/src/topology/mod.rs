@@ -1,11 +1,13 @@
 //! What is connected to what, at rest: particles, triangles, edges, hinges, and the way back to render vertices.
 
+mod change;
 mod grid;
 mod hinge;
 mod mesh;
 mod orient;
 mod weld;
 
+pub use change::{Born, Change};
 pub use grid::Resolution;
 pub(crate) use hinge::hinge_angle;
 pub use mesh::MeshSource;

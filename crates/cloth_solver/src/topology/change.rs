@@ -1,0 +1,37 @@
+//! What taking cloth apart did to its particles and triangles, for all that keeps an array of either.
+
+/// A particle that was not there before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Born {
+    /// Its slot.
+    pub slot: u32,
+    /// The two particles it lies between; twice the same for a copy. Both are in slots that were there before.
+    pub parents: [u32; 2],
+    /// Where between them it lies at rest: 0 at the first, 1 at the second.
+    pub t: f32,
+}
+
+impl Born {
+    /// The value at this particle of something the parents have `value` of.
+    pub fn blend<T>(&self, value: impl Fn(usize) -> T) -> T
+    where
+        T: core::ops::Mul<f32, Output = T> + core::ops::Add<Output = T>,
+    {
+        let [a, b] = self.parents.map(|slot| slot as usize);
+        if a == b { value(a) } else { value(a) * (1.0 - self.t) + value(b) * self.t }
+    }
+}
+
+/// What taking a cloth apart did to its particles and triangles. Slots keep their meaning; what is new is at the end.
+/// Triangles are numbered anew.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Number of slots now, padding included.
+    pub slots: usize,
+    /// Particles that were not there before, in ascending order of their slots.
+    pub born: Vec<Born>,
+    /// For each triangle now the triangle before that it is, or is a part of.
+    pub triangles: Vec<u32>,
+    /// Particles whose last triangle is gone: they have no area and no mass any more.
+    pub gone: Vec<u32>,
+}

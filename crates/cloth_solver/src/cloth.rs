@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::contact::Contacts;
+use crate::damage::{self, Blade, Cut, Tear, Tearing, Torn};
 use crate::method::Method;
+use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
 
 /// One tick: how long, in how many substeps.
@@ -77,6 +79,39 @@ impl Cloth {
         self.constraints.set_method(&self.topology, method);
         // What the old method left of loads is not the new one's to carry.
         self.particles.load.fill(0.0);
+    }
+
+    /// Cuts it with `blade`; `tips` are those of the stroke so far. `None` if the blade crosses nothing.
+    pub fn cut(&mut self, blade: &Blade, tips: &[u32]) -> Option<Cut> {
+        let before = self.topology.clone();
+        let cut = damage::cut(Arc::make_mut(&mut self.topology), &self.particles.position, blade, tips);
+        self.follow(&before, cut.as_ref().map(|cut| &cut.change));
+        cut
+    }
+
+    /// Tears what `tear` knows to carry more than `tearing` allows. `None` if nothing does.
+    pub fn tear(&mut self, tear: &mut Tear, tearing: &Tearing) -> Option<Torn> {
+        let before = self.topology.clone();
+        let torn = tear.tear(&mut self.topology, tearing, &[]);
+        self.follow(&before, torn.as_ref().map(|torn| &torn.change));
+        torn
+    }
+
+    /// Takes triangles out; `None` if there is none of them.
+    pub fn remove_triangles(&mut self, triangles: &[u32]) -> Option<Change> {
+        let before = self.topology.clone();
+        let change = damage::remove(Arc::make_mut(&mut self.topology), triangles);
+        self.follow(&before, change.as_ref());
+        change
+    }
+
+    fn follow(&mut self, before: &Arc<Topology>, change: Option<&Change>) {
+        match change {
+            Some(change) => {
+                damage::follow(before, &self.topology, change, &mut self.particles, &mut self.constraints);
+            }
+            None => self.topology = before.clone(),
+        }
     }
 
     /// Advances by one tick under `gravity` (m/s²).

@@ -7,6 +7,7 @@
 pub mod cloth;
 pub mod constraint;
 pub mod contact;
+pub mod damage;
 pub mod error;
 pub mod fabric;
 pub mod forces;

@@ -10,6 +10,7 @@ mod select;
 mod source;
 mod undo;
 
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use cloth_solver::Pose;
 
@@ -30,6 +31,14 @@ pub(crate) fn relative(frame: &Pose, other: &Pose) -> Pose {
     if frame == other { Pose::IDENTITY } else { frame.inverse_pose(other) }
 }
 
+/// What [`ClothSystems::Build`] does, on one thread.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct BuildSchedule;
+
+fn run_build(world: &mut World) {
+    world.run_schedule(BuildSchedule);
+}
+
 /// What drawing and pinning need of the mesh a running cloth was made from.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
@@ -45,8 +54,14 @@ pub(crate) struct DrawnMesh {
 }
 
 /// Adds the systems of this folder.
-pub(crate) fn plugin(app: &mut App, schedule: impl bevy::ecs::schedule::ScheduleLabel) {
-    app.add_systems(schedule, (build::build, collider::build).in_set(ClothSystems::Build))
+pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel) {
+    app.init_schedule(BuildSchedule)
+        .edit_schedule(BuildSchedule, |schedule| {
+            // Handing a comparison to another thread costs many times what it takes.
+            schedule.set_executor(SingleThreadedExecutor::new());
+        })
+        .add_systems(BuildSchedule, (build::build, collider::build))
+        .add_systems(schedule, run_build.in_set(ClothSystems::Build))
         .add_systems(ClothSchedule, (frame::advance, collider::advance).chain().in_set(ClothSystems::Prepare))
         .add_systems(ClothSchedule, (frame::weigh, air::blow).chain().in_set(ClothSystems::Forces))
         .add_observer(frame::on_reset)

@@ -12,6 +12,8 @@
 
 use glam::Vec3;
 
+use crate::forces::Airflow;
+
 /// Three coordinates, each in its own array.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Soa3 {
@@ -116,6 +118,8 @@ pub struct Particles {
     pub acceleration: Vec3,
     /// Further force on each particle in this tick, N. `None` costs nothing.
     pub force: Option<Soa3>,
+    /// The air at each particle, and its force. `None` costs nothing.
+    pub airflow: Option<Airflow>,
 }
 
 impl Particles {
@@ -133,6 +137,7 @@ impl Particles {
             mass,
             acceleration: Vec3::ZERO,
             force: None,
+            airflow: None,
         }
     }
 

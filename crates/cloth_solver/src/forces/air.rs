@@ -15,7 +15,8 @@ const SPEED_OF_SOUND: f32 = 340.0;
 /// The air around a cloth and how it takes hold of it.
 ///
 /// On a triangle of rest area A with unit normal n and mean velocity u the air, moving at w, pulls with
-/// `½ ρ A |v| (C_t v_t + C_n (n·v) n) (1 − porosity)`, `v = w − u`, `v_t` its part along the triangle.
+/// `½ ρ A |v| (C_t v_t + C_n (n·v) n) (1 − porosity)`, `v = w − u`, `v_t` its part along the triangle. Air
+/// faster than sound, 340 m/s, pulls no harder than at that speed: there the law ends.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
 #[cfg_attr(feature = "ecs", reflect(Default))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]

@@ -6,6 +6,7 @@
 //!        ╱            ▏      U₀                 ───────────────        at 0.095 x from the axis
 //! ```
 
+use core::f32::consts::{FRAC_PI_4, FRAC_PI_6, SQRT_2};
 use core::f64::consts::TAU;
 
 use fearless_simd::prelude::*;
@@ -40,7 +41,7 @@ pub struct Fan {
     /// Speed of the air at the outlet, m/s; 0..=1000. Default 5.
     pub speed: f32,
     /// Angle of the cone, from side to side and from the outlet's rim on, that its air stays within, rad; 0..=2.5. Default
-    /// 0.52 (30°), which holds the whole of a free jet: less cuts its sides off, more adds nothing.
+    /// π/6 (30°), which holds the whole of a free jet: less cuts its sides off, more adds nothing.
     pub spread: f32,
     /// How it turns from side to side. Default `None`: not.
     pub oscillation: Option<Oscillation>,
@@ -51,7 +52,7 @@ pub struct Fan {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
-    /// How far to either side, rad; 0..=3.2. Default 0.79 (45°).
+    /// How far to either side, rad; 0..=3.2. Default π/4 (45°).
     pub angle: f32,
     /// How often there and back, 1/min; 0..=600. Default 6.
     pub rate: f32,
@@ -62,13 +63,13 @@ use bevy_reflect::prelude::ReflectDefault;
 
 impl Default for Fan {
     fn default() -> Self {
-        Self { on: true, diameter: 0.4, speed: 5.0, spread: 0.52, oscillation: None }
+        Self { on: true, diameter: 0.4, speed: 5.0, spread: FRAC_PI_6, oscillation: None }
     }
 }
 
 impl Default for Oscillation {
     fn default() -> Self {
-        Self { angle: 0.79, rate: 6.0 }
+        Self { angle: FRAC_PI_4, rate: 6.0 }
     }
 }
 
@@ -172,7 +173,7 @@ impl Jet {
     fn blown<S: Simd>(&self, simd: S, along: f32x8<S>, away: f32x8<S>) -> f32x8<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         // Gaussian width at the core's end over √2: from there on all momentum is in the sides.
-        let radius = splat(simd, CORE * HALF_WIDTH / (HALF * core::f32::consts::SQRT_2) * self.diameter);
+        let radius = splat(simd, CORE * HALF_WIDTH / (HALF * SQRT_2) * self.diameter);
         let reach = along / splat(simd, CORE * self.diameter);
         let core = radius * (one - reach).max(zero);
         let side = core * splat(simd, SIDE);

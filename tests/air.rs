@@ -210,3 +210,25 @@ fn a_wind_of_a_million_metres_a_second_is_survived_and_the_flag_comes_back() {
     assert!(strain < Fabric::FLAG_POLYESTER.stretch_limit, "still stretched by {strain}");
     assert!(seen::<ClothRecovered>(&app).is_empty(), "without the help of its last finite shape");
 }
+
+#[test]
+fn while_time_stands_and_a_hand_holds_no_wind_blows() {
+    let mut app = headless();
+    app.insert_resource(Shared(Gravity(Vec3::ZERO)));
+    let sheet = (Cloth::rectangle(0.4, 0.4).with_cells(4, 4), Air::default(), Wind(Vec3::Z * 10.0));
+    let sheet = app.world_mut().spawn(sheet).id();
+    run(&mut app, 16);
+    app.world_mut().resource_mut::<Time<ClothClock>>().pause();
+    let before = world_positions(&app, sheet);
+    let [a, b, c] = get::<ClothTopology>(&app, sheet).triangles[0].map(|slot| slot as usize);
+    let position = &get::<Particles>(&app, sheet).position;
+    let target = (position.get(a) + position.get(b) + position.get(c)) / 3.0;
+    app.world_mut().entity_mut(sheet).insert(Grabs(vec![Grab { target, ..default() }]));
+    run(&mut app, 16);
+    let moved = largest_move(&before, &world_positions(&app, sheet));
+    assert!(moved < 1e-3, "moved {moved} m");
+    app.world_mut().entity_mut(sheet).remove::<Grabs>();
+    app.world_mut().resource_mut::<Time<ClothClock>>().unpause();
+    run(&mut app, 16);
+    assert!(largest_move(&before, &world_positions(&app, sheet)) > 0.5);
+}

@@ -110,6 +110,15 @@ fn a_stretched_sheet_catches_no_more_wind() {
 }
 
 #[test]
+fn air_faster_than_sound_pulls_no_harder() {
+    let mut sheet = rumpled(5, 5);
+    let mut at = |speed: f32| force(&mut sheet, Vec3::new(0.6, 0.0, 0.8) * speed, Vec3::ZERO);
+    let limit = at(340.0);
+    assert!((at(1e6) - limit).length() < 1e-4 * limit.length());
+    assert!(at(330.0).length() < 0.95 * limit.length());
+}
+
+#[test]
 fn what_the_fabric_lets_through_does_not_push() {
     let mut sheet = rectangle(1.0, 1.0, 5, 5, &Fabric::COTTON_POPLIN);
     let full = force(&mut sheet, Vec3::Z, Vec3::ZERO);

@@ -181,6 +181,12 @@ fn what_a_fan_stands_in_does_not_shadow_it_and_a_small_body_before_a_large_outle
     assert_eq!(jet_past_hub.at(Vec3::NEG_Z * 1.5), Vec3::ZERO);
     let outer = Vec3::new(0.15, 0.0, -1.0);
     assert_eq!(jet_past_hub.at(outer), jet().at(outer));
+    // The air spreads from the rim on, and so does a shadow off the axis.
+    let knob = [collider(Shape::sphere(0.03).unwrap(), Vec3::new(0.15, 0.0, -0.3), Quat::IDENTITY, 0.3)];
+    let jet_past_knob = field(FAN, Pose::IDENTITY, &knob);
+    let [straight_on, outwards] = [Vec3::new(0.15, 0.0, -2.0), Vec3::new(0.39, 0.0, -2.0)];
+    assert!(jet_past_knob.at(straight_on) == jet().at(straight_on) && jet().at(outwards) != Vec3::ZERO);
+    assert_eq!(jet_past_knob.at(outwards), Vec3::ZERO);
 }
 
 #[test]
@@ -219,6 +225,8 @@ fn a_zone_blows_inside_and_comes_up_from_its_edge() {
         // Turned by a quarter, −z is −x.
         assert!((found(0.0) - Vec3::new(-4.0, 0.0, 0.0)).length() < 1e-5, "{shape:?}");
         assert!((found(1.75) - Vec3::new(-2.0, 0.0, 0.0)).length() < 1e-4, "{shape:?}");
+        // Without a kink: t² (3 − 2 t) of it.
+        assert!((found(1.9) - Vec3::new(-4.0 * 0.104, 0.0, 0.0)).length() < 1e-4, "{shape:?}");
         assert_eq!(found(2.001), Vec3::ZERO, "{shape:?}");
         field.set_zones([(WindZone { falloff: 0.0, ..zone(shape) }, pose)]);
         assert!((field.at(Vec3::new(0.0, 10.0, 1.999)).x + 3.0).abs() < 1e-5, "{shape:?}");

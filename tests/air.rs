@@ -196,6 +196,20 @@ fn wrong_gusts_are_refused_by_name_on_a_cloth_and_as_a_setting_of_all() {
 }
 
 #[test]
+fn a_shared_wind_that_was_no_number_for_a_while_blows_on_once_it_is_mended() {
+    let (mut app, sheet) = in_gusts(1, false);
+    app.insert_resource(Shared(Wind(Vec3::NAN)));
+    run(&mut app, 3);
+    assert!(app.world().get::<ClothRejection>(sheet).is_some());
+    note_events::<ClothRecovered>(&mut app);
+    let before = centre(&app, sheet);
+    app.insert_resource(Shared(Wind(Vec3::Z * 4.0)));
+    run(&mut app, 32);
+    assert!(centre(&app, sheet).z > before.z + 1.0, "from {before} to {}", centre(&app, sheet));
+    assert!(seen::<ClothRecovered>(&app).is_empty());
+}
+
+#[test]
 fn a_wind_of_a_million_metres_a_second_is_survived_and_the_flag_comes_back() {
     let mut app = headless();
     let flag = flag(&mut app);

@@ -72,7 +72,10 @@ pub(crate) fn sample(
     if tick.still {
         return;
     }
-    shared.0.advance(wind.0.0, &gusts.0, tick.dt);
+    // What is refused must not stay in the sum of all that has blown.
+    if wind.validate().and(gusts.validate()).is_ok() {
+        shared.0.advance(wind.0.0, &gusts.0, tick.dt);
+    }
     for (mut particles, mut around, topology, frame, contacts, own_wind, own_gusts, plan) in &mut cloths {
         if plan.substeps == 0 {
             continue;

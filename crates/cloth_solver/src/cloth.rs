@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::contact::Contacts;
 use crate::damage::{self, Blade, Cut, Tear, Tearing, Torn};
+use crate::forces::{Air, WindField};
 use crate::method::Method;
 use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
@@ -60,6 +61,10 @@ pub struct Cloth {
     pub constraints: Constraints,
     /// Contact.
     pub contacts: Contacts,
+    /// The air around it. Default none: no air acts, and none is computed.
+    pub air: Option<Air>,
+    /// How that moves in this tick.
+    pub wind: WindField,
 }
 
 impl Cloth {
@@ -70,6 +75,8 @@ impl Cloth {
             particles: Particles::new(&topology, fabric.areal_density),
             constraints: Constraints::new(&topology, fabric)?,
             contacts: Contacts { offset: Contacts::offset_for(&topology, fabric), ..Contacts::default() },
+            air: None,
+            wind: WindField::default(),
             topology,
         })
     }
@@ -117,8 +124,15 @@ impl Cloth {
     /// Advances by one tick under `gravity` (m/s²).
     pub fn step(&mut self, tick: Tick, gravity: Vec3) {
         self.particles.acceleration = gravity;
+        match self.air {
+            Some(_) => self.wind.sample(&self.topology, &mut self.particles),
+            None => self.particles.airflow = None,
+        }
         for index in 0..tick.substeps.max(1) {
             let sub = tick.substep(index);
+            if let Some(air) = &self.air {
+                air.blow(&self.topology, &mut self.particles, &sub);
+            }
             crate::method::integrate(&mut self.particles, &self.constraints, &sub);
             crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
             crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);

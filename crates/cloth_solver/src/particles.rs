@@ -13,6 +13,7 @@
 use glam::Vec3;
 
 use crate::Topology;
+use crate::forces::Airflow;
 use crate::topology::Change;
 
 /// Three coordinates, each in its own array.
@@ -156,6 +157,8 @@ pub struct Particles {
     pub acceleration: Vec3,
     /// Further force on each particle in this tick, N. `None` costs nothing.
     pub force: Option<Soa3>,
+    /// The air at each particle, and its force. `None` costs nothing.
+    pub airflow: Option<Airflow>,
 }
 
 impl Particles {
@@ -173,6 +176,7 @@ impl Particles {
             mass,
             acceleration: Vec3::ZERO,
             force: None,
+            airflow: None,
         }
     }
 

@@ -4,6 +4,7 @@ mod air;
 mod cantilever;
 pub mod closed;
 mod contact;
+mod fan;
 pub mod finding;
 mod hang;
 mod motion;
@@ -55,6 +56,9 @@ const CHECKS: &[Check] = &[
     ("contact depth", contact::depth),
     ("air: fall", air::fall),
     ("air: wind", air::wind),
+    ("fan: jet", fan::jet),
+    ("fan: panel", fan::panel),
+    ("gusts", fan::gusts),
     ("conservation", motion::conservation),
     ("free fall", motion::fall),
     ("mesh and step independence", hang::refined),

@@ -1,6 +1,6 @@
 //! The constraints of one cloth, one file per kind, and the order in which a substep solves them.
 
-mod batch;
+pub(crate) mod batch;
 mod cells;
 mod damping;
 mod force;

@@ -108,8 +108,7 @@ fn a_tear_by_order_parts_the_nearest_particle_and_a_pin_stays_with_its_side() {
 fn debris_is_gone_after_its_time() {
     let mut app = headless();
     let tearable = Tearable { debris: 20, debris_lifetime: 0.5, ..default() };
-    let cloth =
-        app.world_mut().spawn((Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::top(), tearable)).id();
+    let cloth = app.world_mut().spawn((Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::top(), tearable)).id();
     run(&mut app, 4);
     note_events::<DebrisGone>(&mut app);
     // The lower right corner.

@@ -33,7 +33,7 @@ fn poplin_has_the_bending_length_of_the_closed_form() {
 
 #[test]
 fn an_invalid_number_is_refused_under_the_name_of_its_field() {
-    let set: [(&str, fn(&mut Fabric, f32)); 10] = [
+    let set: [(&str, fn(&mut Fabric, f32)); 11] = [
         ("Fabric::areal_density", |f, v| f.areal_density = v),
         ("Fabric::thickness", |f, v| f.thickness = v),
         ("Fabric::stretch_warp", |f, v| f.stretch_warp = v),

@@ -7,6 +7,7 @@
 pub mod cloth;
 pub mod constraint;
 pub mod contact;
+pub mod damage;
 pub mod error;
 pub mod fabric;
 pub mod forces;
@@ -20,6 +21,7 @@ pub mod topology;
 mod lanes;
 
 pub use cloth::{Cloth, Tick};
+pub use damage::fire::{Fire, Flammable};
 pub use error::ClothError;
 pub use fabric::Fabric;
 pub use method::Method;

@@ -1,0 +1,248 @@
+//! Fire by heat: who heats whom, and when.
+//!
+//! The balance of every particle is advanced in each tick. Who is within whose flame is looked up in turns, an eighth of
+//! the flames in a tick, and at once for what has just burst into flame: flames are many, and fire is slow.
+
+use fearless_simd::dispatch;
+
+use super::balance::{BOILING, Balance, Exposure, LATENT_HEAT, LEAST_MASS};
+use super::cells::Cells;
+use super::conduct::Laplacian;
+use super::flame::Flame;
+use super::rings::Rings;
+use super::state::{State, extend};
+use super::{BURNT, Flammability, Surroundings};
+use crate::lanes::LEVEL;
+use crate::topology::Change;
+use crate::{Fabric, Particles, Soa3, Topology};
+
+/// Ticks in which every flame is looked up once.
+const TURNS: usize = 8;
+
+/// Rounds for which a flame with nothing to heat does not look round again.
+const LOOKS_AWAY: u8 = 3;
+
+/// Cells of space along the longest reach of a flame.
+const CELLS_A_REACH: f32 = 2.0;
+
+/// What a tick needs to know of the cloth and of what is around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around<'a> {
+    pub topology: &'a Topology,
+    pub particles: &'a Particles,
+    pub rings: &'a Rings,
+    pub surroundings: &'a Surroundings,
+}
+
+/// What fire by heat keeps beside [`State`].
+#[derive(Clone, Debug)]
+pub(super) struct Heat {
+    pub fabric: Flammability,
+    /// kg/m².
+    areal_density: f32,
+    /// m.
+    thickness: f32,
+    exposure: Exposure,
+    /// [`Exposure::reach`] and [`Exposure::front`] as this round of turns finds them.
+    reach: Vec<f32>,
+    front: Vec<f32>,
+    /// Width of the cloth that each particle stands for, m.
+    width: Vec<f32>,
+    laplacian: Laplacian,
+    /// Positions at the start of the round, m.
+    position: Soa3,
+    cells: Cells,
+    /// Rounds for which each flame does not look round.
+    looks_away: Vec<u8>,
+    turn: usize,
+    /// Whether anything is warm.
+    pub warm: bool,
+}
+
+impl Heat {
+    pub fn new(topology: &Topology, cloth: &Fabric, fabric: &Flammability) -> Self {
+        let slots = topology.slots();
+        let zeros = || vec![0.0; slots];
+        Self {
+            fabric: *fabric,
+            areal_density: cloth.areal_density,
+            thickness: cloth.thickness,
+            exposure: Exposure { reach: zeros(), front: zeros(), owed: zeros(), flaming: zeros(), late: zeros() },
+            reach: zeros(),
+            front: zeros(),
+            width: topology.area.iter().map(|area| area.sqrt()).collect(),
+            laplacian: Laplacian::new(topology),
+            position: Soa3::zeros(slots),
+            cells: Cells::new(slots),
+            looks_away: vec![0; slots],
+            turn: 0,
+            warm: false,
+        }
+    }
+
+    pub fn set(&mut self, cloth: &Fabric, fabric: &Flammability) {
+        (self.fabric, self.areal_density, self.thickness) = (*fabric, cloth.areal_density, cloth.thickness);
+    }
+
+    /// Heats `slot` to ignition; `false` if it cannot burn, or does.
+    pub fn ignite(&mut self, slot: usize, state: &mut State) -> bool {
+        let lights = self.catches(slot, state) && state.moisture[slot] <= 0.0;
+        if lights {
+            state.temperature[slot] = self.fabric.ignition;
+            self.warm = true;
+        }
+        lights
+    }
+
+    /// Pours `water`, kg/m², on `slot`. What is hotter than boiling water boils some of it away at once.
+    pub fn wet(&mut self, slot: usize, water: f32, state: &mut State, rings: &Rings) {
+        let capacity = self.capacity(slot, state);
+        let steam = ((state.temperature[slot] - BOILING).max(0.0) * capacity / LATENT_HEAT).min(water);
+        state.temperature[slot] -= steam * LATENT_HEAT / capacity;
+        state.moisture[slot] += water - steam;
+        // The fronts that set out from it burn on under its water.
+        for end in rings.around(slot).iter().map(|spoke| spoke.end as usize) {
+            (self.exposure.front[end], self.front[end]) = (0.0, 0.0);
+        }
+    }
+
+    /// Follows a change of topology.
+    pub fn follow(&mut self, topology: &Topology, change: &Change) {
+        let mut exposure = core::mem::take(&mut self.exposure);
+        let Exposure { reach, front, owed, flaming, late } = &mut exposure;
+        [reach, front, owed, flaming, late].into_iter().for_each(|array| extend(array, 0.0, change));
+        let cloth = Fabric { areal_density: self.areal_density, thickness: self.thickness, ..Fabric::default() };
+        *self = Self { warm: self.warm, exposure, ..Self::new(topology, &cloth, &self.fabric) };
+    }
+
+    /// Advances by a tick of `dt` s.
+    pub fn burn(&mut self, around: &Around<'_>, state: &mut State, dt: f32) {
+        if !self.warm {
+            return state.rest(around.surroundings.air);
+        }
+        state.air = around.surroundings.air;
+        let flame = Flame::new(&self.fabric, around.surroundings);
+        if self.turn == 0 {
+            self.begin_round(&flame, around.particles, state);
+        }
+        self.look_round(&flame, around.rings, state);
+        let balance = Balance::new(&self.fabric, self.areal_density, state.air, dt);
+        let exposure = &mut self.exposure;
+        let outcome = dispatch!(*LEVEL, simd => balance.advance(simd, state, exposure));
+        state.flaming = outcome.flaming;
+        for k in 0..state.ignited.len() {
+            let slot = state.ignited[k] as usize;
+            self.heat_around(slot, self.exposure.late[slot], &flame, around.rings, state);
+            self.looks_away[slot] = 0;
+        }
+        self.conduct(around.topology, state, dt);
+        if outcome.burnt_out {
+            burn_through(around.topology, state);
+        }
+        self.turn = (self.turn + 1) % TURNS;
+        if !outcome.warm {
+            self.rest();
+        }
+    }
+
+    /// Takes over what the last round found, and sorts what the flames of this one may heat.
+    fn begin_round(&mut self, flame: &Flame, particles: &Particles, state: &State) {
+        core::mem::swap(&mut self.reach, &mut self.exposure.reach);
+        self.reach.fill(0.0);
+        for (front, found) in self.exposure.front.iter_mut().zip(&mut self.front) {
+            // Where the flame behind it has burnt out, the front goes on as it was.
+            *front = if *found > 0.0 { *found } else { *front };
+            *found = 0.0;
+        }
+        self.position.copy_from(&particles.position);
+        let mut cells = core::mem::take(&mut self.cells);
+        let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state)).map(|slot| slot as u32);
+        cells.build(flame.longest() / CELLS_A_REACH, slots, &self.position, &self.width);
+        self.cells = cells;
+    }
+
+    /// Looks up whom an eighth of the flames heat.
+    fn look_round(&mut self, flame: &Flame, rings: &Rings, state: &State) {
+        let slots = state.fuel.len();
+        for slot in slots * self.turn / TURNS..slots * (self.turn + 1) / TURNS {
+            if self.looks_away[slot] > 0 {
+                self.looks_away[slot] -= 1;
+            } else if self.exposure.flaming[slot] > 0.0 && !self.heat_around(slot, 0.0, flame, rings, state) {
+                self.looks_away[slot] = LOOKS_AWAY;
+            }
+        }
+    }
+
+    /// Heats what is within the flame on `slot`, which has burnt for `late` s already; `false` if nothing is.
+    fn heat_around(&mut self, slot: usize, late: f32, flame: &Flame, rings: &Rings, state: &State) -> bool {
+        let at = self.position.get(slot);
+        let mut any = false;
+        for end in rings.around(slot).iter().map(|spoke| spoke.end as usize) {
+            if self.catches(end, state) {
+                any = true;
+                let part = flame.on_neighbour(self.position.get(end) - at);
+                expose(&mut self.exposure, &mut self.reach, end, part, late);
+                self.front[end] = self.front[end].max(part);
+                self.exposure.front[end] = self.exposure.front[end].max(part);
+            }
+        }
+        let (exposure, reach) = (&mut self.exposure, &mut self.reach);
+        let widest = self.cells.widest;
+        self.cells.visit(at + flame.low - widest, at + flame.high + widest, |point| {
+            let part = flame.on_cell(point.at - at, point.cell);
+            if part > 0.0 {
+                any = true;
+                expose(exposure, reach, point.slot as usize, part, late);
+            }
+        });
+        any
+    }
+
+    /// Lets heat flow along an eighth of the edges, for eight ticks.
+    fn conduct(&self, topology: &Topology, state: &mut State, dt: f32) {
+        let edges = topology.edges.len();
+        let range = edges * self.turn / TURNS..edges * (self.turn + 1) / TURNS;
+        let (temperature, mass) = (&mut state.temperature, &state.mass_factor);
+        let areal = self.areal_density * self.fabric.specific_heat;
+        let capacity = |slot: usize| areal * mass[slot].max(LEAST_MASS) * topology.area[slot];
+        let conductance = self.fabric.conductivity * self.thickness;
+        self.laplacian.flow(&topology.edges, range, conductance * dt * TURNS as f32, capacity, temperature);
+    }
+
+    /// Everything is cold again.
+    fn rest(&mut self) {
+        let Exposure { reach, front, owed, flaming, .. } = &mut self.exposure;
+        for array in [reach, front, owed, flaming, &mut self.reach, &mut self.front] {
+            array.fill(0.0);
+        }
+        self.looks_away.fill(0);
+        (self.turn, self.warm) = (0, false);
+    }
+
+    /// Whether a flame beside `slot` heats it until it lights.
+    fn catches(&self, slot: usize, state: &State) -> bool {
+        state.combustible(slot) && state.temperature[slot] < self.fabric.ignition
+    }
+
+    /// Heat capacity of the cloth at `slot`, J/(m²·K).
+    fn capacity(&self, slot: usize, state: &State) -> f32 {
+        self.areal_density * self.fabric.specific_heat * state.mass_factor[slot].max(LEAST_MASS)
+    }
+}
+
+/// Lets a flame that has burnt for `late` s heat a part of the cell of `slot`, in this round (`reach`) and from now on.
+fn expose(exposure: &mut Exposure, reach: &mut [f32], slot: usize, part: f32, late: f32) {
+    let more = part - exposure.reach[slot].max(exposure.front[slot]);
+    exposure.owed[slot] += more.max(0.0) * late;
+    exposure.reach[slot] = exposure.reach[slot].max(part);
+    reach[slot] = reach[slot].max(part);
+}
+
+/// Takes away the triangles whose corners have all burnt out.
+fn burn_through(topology: &Topology, state: &mut State) {
+    for (triangle, corners) in topology.triangles.iter().enumerate() {
+        if corners.iter().all(|corner| state.fuel[*corner as usize] <= BURNT) {
+            state.burn_through(topology, triangle);
+        }
+    }
+}

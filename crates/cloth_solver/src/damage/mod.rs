@@ -1,0 +1,3 @@
+//! What destroys cloth, one file or folder each.
+
+pub mod fire;

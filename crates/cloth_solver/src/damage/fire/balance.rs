@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::state::State;
-use super::{BURNT, FLAME_TEMPERATURE, Flammability};
+use super::{BURNT, COLD, FLAME_TEMPERATURE, Flammability};
 use crate::lanes::{LANES, load, splat, store};
 
 /// Boiling point of water, K.
@@ -26,9 +26,6 @@ const RADIATION: f32 = 2.0 * 0.9 * 5.670_374e-8;
 /// Part of the mass that takes up heat to the last: what leaves no char is not without any mass before it is gone.
 pub(super) const LEAST_MASS: f32 = BURNT;
 
-/// What is nearer than this to the temperature of the air has it, K.
-const COLD: f32 = 0.01;
-
 /// What reaches the particles from flames, one entry per slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Exposure {
@@ -42,6 +39,20 @@ pub(super) struct Exposure {
     pub flaming: Vec<f32>,
     /// How long ago what has just burst into flame did so, s.
     pub late: Vec<f32>,
+}
+
+impl Exposure {
+    /// Owes what a flame that heats a part of the cell of `slot` has given it in the `late` s that it burns already.
+    pub fn owe(&mut self, slot: usize, part: f32, late: Option<f32>) {
+        let more = part - self.reach[slot].max(self.front[slot]);
+        self.owed[slot] += more.max(0.0) * late.unwrap_or(0.0);
+    }
+
+    /// Lets a front enter the cell of `slot` that heats a part of it, if no faster one is on its way.
+    pub fn send_front(&mut self, slot: usize, part: f32, late: Option<f32>) {
+        self.owe(slot, part, late);
+        self.front[slot] = self.front[slot].max(part);
+    }
 }
 
 /// What the tick did.
@@ -116,11 +127,13 @@ impl Balance {
         let (ignition, burnt) = (splat(simd, self.fabric.ignition), splat(simd, BURNT));
         let (t, fuel) = (load(simd, &state.temperature, i), load(simd, &state.fuel, i));
         let wet = load(simd, &state.moisture, i);
-        // The front of a fire does not cross wet cloth by itself; flames beside it dry it.
-        let front = wet.simd_gt(zero).select(zero, load(simd, &exposure.front, i));
-        store(front, &mut exposure.front, i);
         let combustible = fuel.simd_gt(burnt);
-        let touched = (combustible & t.simd_ge(ignition)).select(one, load(simd, &exposure.reach, i).max(front));
+        let was_flaming = combustible & t.simd_ge(ignition);
+        // A front goes on until its cell has lit; it does not cross wet cloth by itself, but flames beside it dry it.
+        let crosses = combustible & t.simd_lt(ignition) & wet.simd_le(zero);
+        let front = crosses.select(load(simd, &exposure.front, i), zero);
+        store(front, &mut exposure.front, i);
+        let touched = was_flaming.select(one, load(simd, &exposure.reach, i).max(front));
         let mass = load(simd, &state.mass_factor, i).max(splat(simd, LEAST_MASS));
         let capacity = mass * splat(simd, self.capacity);
         let flux = splat(simd, self.fabric.heat_flux) / capacity;

@@ -54,3 +54,63 @@ impl Laplacian {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec2, Vec2};
+
+    use super::*;
+    use crate::topology::Resolution;
+
+    fn strip() -> Topology {
+        Topology::rectangle(Vec2::new(1.0, 0.1), Resolution::Cells(UVec2::new(40, 4))).unwrap()
+    }
+
+    /// Lets a wave of half a length fade over `seconds` in `steps`, with a diffusivity of 1 m²/s; what is left of it, and the
+    /// heat at the start and at the end.
+    fn faded(seconds: f32, steps: u32) -> (f32, [f32; 2]) {
+        let topology = strip();
+        let laplacian = Laplacian::new(&topology);
+        let wave = |slot: usize| (core::f32::consts::PI * (topology.rest[slot].x + 0.5)).cos();
+        let mut temperature: Vec<f32> = (0..topology.slots()).map(wave).collect();
+        let heat = |temperature: &[f32]| topology.area.iter().zip(temperature).map(|(a, t)| a * (t + 1.0)).sum::<f32>();
+        let before = heat(&temperature);
+        for _ in 0..steps {
+            let edges = 0..topology.edges.len();
+            laplacian.flow(
+                &topology.edges,
+                edges,
+                seconds / steps as f32,
+                |slot| topology.area[slot],
+                &mut temperature,
+            );
+        }
+        let project =
+            |v: &dyn Fn(usize) -> f32| (0..topology.slots()).map(|i| topology.area[i] * v(i) * wave(i)).sum::<f32>();
+        (project(&|i| temperature[i]) / project(&wave), [before, heat(&temperature)])
+    }
+
+    #[test]
+    fn a_wave_of_temperature_fades_as_heat_diffuses() {
+        let (left, _) = faded(0.05, 20_000);
+        let expected = (-core::f32::consts::PI.powi(2) * 0.05).exp();
+        assert!((left / expected - 1.0).abs() < 0.01, "{left}, not {expected}");
+    }
+
+    #[test]
+    fn heat_is_kept_and_nothing_overshoots_at_any_step() {
+        for seconds in [0.01, 1.0, 1e4] {
+            let (left, [before, after]) = faded(seconds, 3);
+            assert!((after / before - 1.0).abs() < 1e-5);
+            assert!((0.0..1.0).contains(&left), "{left}");
+        }
+    }
+
+    #[test]
+    fn heat_does_not_flow_where_the_weight_would_be_negative() {
+        let topology = strip();
+        let laplacian = Laplacian::new(&topology);
+        assert!(laplacian.weight.iter().all(|weight| *weight >= 0.0));
+        assert!(laplacian.weight.iter().any(|weight| (*weight - 1.0).abs() < 1e-4), "an inner edge of square cells");
+    }
+}

@@ -87,6 +87,7 @@ impl Spread {
     /// Advances by a tick of `dt` s.
     pub fn burn(&mut self, topology: &Topology, rings: &Rings, state: &mut State, dt: f32) {
         if self.burning.is_empty() {
+            self.lit.clear();
             return;
         }
         let rule = self.rule;

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     /// How far the surface is in the direction of `offset`, in lengths of `offset`.
-    fn reach(flame: &Flame, offset: Vec3) -> f32 {
+    fn surface(flame: &Flame, offset: Vec3) -> f32 {
         let (along, across) = flame.split(offset);
         1.0 / flame.depth(along, across).sqrt()
     }
@@ -98,7 +98,7 @@ mod tests {
     fn a_flame_reaches_as_far_as_the_fabric_says_up_across_and_down() {
         let flame = flame(Vec3::ZERO);
         for (direction, reach) in [(Vec3::Y, 0.12), (Vec3::X, 0.0146), (Vec3::Z, 0.0146), (Vec3::NEG_Y, 0.0027)] {
-            assert!((reach(&flame, direction) / reach - 1.0).abs() < 1e-5, "{direction}");
+            assert!((surface(&flame, direction) / reach - 1.0).abs() < 1e-5, "{direction}");
             assert_eq!(flame.on_neighbour(direction * reach * 0.99), 1.0);
             assert!((flame.on_neighbour(direction * reach * 4.0) - 0.25).abs() < 1e-5);
         }
@@ -119,11 +119,11 @@ mod tests {
     #[test]
     fn wind_lays_the_flame_down_and_without_wind_and_gravity_it_is_a_ball() {
         let tilted = flame(Vec3::X);
-        assert!((reach(&tilted, Vec3::new(1.0, 1.0, 0.0)) * core::f32::consts::SQRT_2 / 0.12 - 1.0).abs() < 1e-4);
-        assert!(reach(&tilted, Vec3::X) > 1.3 * reach(&tilted, Vec3::NEG_X));
+        assert!((surface(&tilted, Vec3::new(1.0, 1.0, 0.0)) * core::f32::consts::SQRT_2 / 0.12 - 1.0).abs() < 1e-4);
+        assert!(surface(&tilted, Vec3::X) > 1.3 * surface(&tilted, Vec3::NEG_X));
         let still = Surroundings { up: Vec3::ZERO, ..Surroundings::default() };
         let ball = Flame::new(&Flammability::COTTON, &still);
-        assert_eq!(reach(&ball, Vec3::Y), reach(&ball, Vec3::NEG_X));
+        assert_eq!(surface(&ball, Vec3::Y), surface(&ball, Vec3::NEG_X));
     }
 
     #[test]

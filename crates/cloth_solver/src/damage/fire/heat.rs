@@ -43,9 +43,8 @@ pub(super) struct Heat {
     /// m.
     thickness: f32,
     exposure: Exposure,
-    /// [`Exposure::reach`] and [`Exposure::front`] as this round of turns finds them.
+    /// [`Exposure::reach`] as this round of turns finds it.
     reach: Vec<f32>,
-    front: Vec<f32>,
     /// Width of the cloth that each particle stands for, m.
     width: Vec<f32>,
     laplacian: Laplacian,
@@ -69,7 +68,6 @@ impl Heat {
             thickness: cloth.thickness,
             exposure: Exposure { reach: zeros(), front: zeros(), owed: zeros(), flaming: zeros(), late: zeros() },
             reach: zeros(),
-            front: zeros(),
             width: topology.area.iter().map(|area| area.sqrt()).collect(),
             laplacian: Laplacian::new(topology),
             position: Soa3::zeros(slots),
@@ -100,9 +98,12 @@ impl Heat {
         let steam = ((state.temperature[slot] - BOILING).max(0.0) * capacity / LATENT_HEAT).min(water);
         state.temperature[slot] -= steam * LATENT_HEAT / capacity;
         state.moisture[slot] += water - steam;
-        // The fronts that set out from it burn on under its water.
+        if state.temperature[slot] < self.fabric.ignition {
+            self.exposure.flaming[slot] = 0.0;
+        }
+        // The fronts that set out from it are under its water, too.
         for end in rings.around(slot).iter().map(|spoke| spoke.end as usize) {
-            (self.exposure.front[end], self.front[end]) = (0.0, 0.0);
+            self.exposure.front[end] = 0.0;
         }
     }
 
@@ -118,9 +119,8 @@ impl Heat {
     /// Advances by a tick of `dt` s.
     pub fn burn(&mut self, around: &Around<'_>, state: &mut State, dt: f32) {
         if !self.warm {
-            return state.rest(around.surroundings.air);
+            return;
         }
-        state.air = around.surroundings.air;
         let flame = Flame::new(&self.fabric, around.surroundings);
         if self.turn == 0 {
             self.begin_round(&flame, around.particles, state);
@@ -132,7 +132,7 @@ impl Heat {
         state.flaming = outcome.flaming;
         for k in 0..state.ignited.len() {
             let slot = state.ignited[k] as usize;
-            self.heat_around(slot, self.exposure.late[slot], &flame, around.rings, state);
+            self.heat_around(slot, Some(self.exposure.late[slot]), &flame, around.rings, state);
             self.looks_away[slot] = 0;
         }
         self.conduct(around.topology, state, dt);
@@ -149,11 +149,6 @@ impl Heat {
     fn begin_round(&mut self, flame: &Flame, particles: &Particles, state: &State) {
         core::mem::swap(&mut self.reach, &mut self.exposure.reach);
         self.reach.fill(0.0);
-        for (front, found) in self.exposure.front.iter_mut().zip(&mut self.front) {
-            // Where the flame behind it has burnt out, the front goes on as it was.
-            *front = if *found > 0.0 { *found } else { *front };
-            *found = 0.0;
-        }
         self.position.copy_from(&particles.position);
         let mut cells = core::mem::take(&mut self.cells);
         let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state)).map(|slot| slot as u32);
@@ -167,30 +162,35 @@ impl Heat {
         for slot in slots * self.turn / TURNS..slots * (self.turn + 1) / TURNS {
             if self.looks_away[slot] > 0 {
                 self.looks_away[slot] -= 1;
-            } else if self.exposure.flaming[slot] > 0.0 && !self.heat_around(slot, 0.0, flame, rings, state) {
+            } else if self.exposure.flaming[slot] > 0.0 && !self.heat_around(slot, None, flame, rings, state) {
                 self.looks_away[slot] = LOOKS_AWAY;
             }
         }
     }
 
-    /// Heats what is within the flame on `slot`, which has burnt for `late` s already; `false` if nothing is.
-    fn heat_around(&mut self, slot: usize, late: f32, flame: &Flame, rings: &Rings, state: &State) -> bool {
+    /// Heats what is within the flame on `slot`; `false` if nothing is. `late` is how long ago the flame burst out, s, if it
+    /// has in this tick.
+    fn heat_around(&mut self, slot: usize, late: Option<f32>, flame: &Flame, rings: &Rings, state: &State) -> bool {
         let at = self.position.get(slot);
+        let ring = rings.around(slot);
         let mut any = false;
-        for end in rings.around(slot).iter().map(|spoke| spoke.end as usize) {
+        for end in ring.iter().map(|spoke| spoke.end as usize) {
             if self.catches(end, state) {
                 any = true;
                 let part = flame.on_neighbour(self.position.get(end) - at);
-                expose(&mut self.exposure, &mut self.reach, end, part, late);
-                self.front[end] = self.front[end].max(part);
-                self.exposure.front[end] = self.exposure.front[end].max(part);
+                if part >= 1.0 || state.moisture[end] > 0.0 {
+                    expose(&mut self.exposure, &mut self.reach, end, part, late);
+                } else if late.is_some() || self.exposure.front[end] == 0.0 {
+                    let way = (state.temperature[end] - state.air) / (self.fabric.ignition - state.air);
+                    self.exposure.send_front(end, part * (1.0 - way.max(0.0)), late);
+                }
             }
         }
         let (exposure, reach) = (&mut self.exposure, &mut self.reach);
         let widest = self.cells.widest;
         self.cells.visit(at + flame.low - widest, at + flame.high + widest, |point| {
             let part = flame.on_cell(point.at - at, point.cell);
-            if part > 0.0 {
+            if part > 0.0 && (part >= 1.0 || ring.iter().all(|spoke| spoke.end != point.slot)) {
                 any = true;
                 expose(exposure, reach, point.slot as usize, part, late);
             }
@@ -212,7 +212,7 @@ impl Heat {
     /// Everything is cold again.
     fn rest(&mut self) {
         let Exposure { reach, front, owed, flaming, .. } = &mut self.exposure;
-        for array in [reach, front, owed, flaming, &mut self.reach, &mut self.front] {
+        for array in [reach, front, owed, flaming, &mut self.reach] {
             array.fill(0.0);
         }
         self.looks_away.fill(0);
@@ -230,10 +230,9 @@ impl Heat {
     }
 }
 
-/// Lets a flame that has burnt for `late` s heat a part of the cell of `slot`, in this round (`reach`) and from now on.
-fn expose(exposure: &mut Exposure, reach: &mut [f32], slot: usize, part: f32, late: f32) {
-    let more = part - exposure.reach[slot].max(exposure.front[slot]);
-    exposure.owed[slot] += more.max(0.0) * late;
+/// Lets a flame heat a part of the cell of `slot`, in this round (`reach`) and from now on; since `late` s, if it is new.
+fn expose(exposure: &mut Exposure, reach: &mut [f32], slot: usize, part: f32, late: Option<f32>) {
+    exposure.owe(slot, part, late);
     exposure.reach[slot] = exposure.reach[slot].max(part);
     reach[slot] = reach[slot].max(part);
 }

@@ -33,6 +33,9 @@ pub const ROOM_TEMPERATURE: f32 = 293.15;
 /// Fuel at which the flame goes out and what is left no longer holds together.
 const BURNT: f32 = 0.05;
 
+/// What is nearer than this to the temperature of the air has it, K.
+const COLD: f32 = 0.5;
+
 /// What is around a burning cloth, in the cloth's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
@@ -192,6 +195,8 @@ impl Fire {
         state.ignited.clear();
         state.burnt_through.clear();
         if dt > 0.0 {
+            state.set_air(surroundings.air);
+            state.flaming = 0;
             match &mut self.level {
                 Level::Heat(heat) => {
                     heat.burn(&Around { topology, particles, rings: &self.rings, surroundings }, state, dt);
@@ -287,7 +292,7 @@ impl Fire {
         match (state.fuel[slot] > BURNT, state.temperature[slot]) {
             (false, _) => Stage::Ember,
             (true, t) if t >= ignition => Stage::Flaming,
-            (true, t) if t > state.air + 1.0 || state.scorch[slot] > 0.0 => Stage::Heating,
+            (true, t) if t > state.air + COLD || state.scorch[slot] > 0.0 => Stage::Heating,
             _ => Stage::Virgin,
         }
     }

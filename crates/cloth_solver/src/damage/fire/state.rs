@@ -7,7 +7,7 @@ use crate::Topology;
 use crate::lanes::{load, splat, store};
 use crate::topology::{Born, Change};
 
-use super::{BURNT, ROOM_TEMPERATURE};
+use super::{BURNT, COLD, ROOM_TEMPERATURE};
 
 /// Part of its stiffness that charred cloth keeps: threads of char still hang together.
 const CHAR_STIFFNESS: f32 = 0.01;
@@ -92,10 +92,11 @@ impl State {
         true
     }
 
-    /// Nothing is warmer than the air, which has the temperature `air`, K.
-    pub fn rest(&mut self, air: f32) {
+    /// Gives what is as cold as the air was the temperature it has now, K.
+    pub fn set_air(&mut self, air: f32) {
         if self.air != air {
-            self.temperature.fill(air);
+            let cold = |t: &&mut f32| (**t - self.air).abs() <= COLD;
+            self.temperature.iter_mut().filter(cold).for_each(|t| *t = air);
             self.air = air;
         }
     }

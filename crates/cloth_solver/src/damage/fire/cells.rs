@@ -3,53 +3,49 @@
 use glam::{IVec3, Vec3};
 
 use crate::Soa3;
+use crate::lanes::LANES;
 
 /// Points sorted by the cell of space they lie in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
     /// Width of a cell, m.
     width: f32,
-    /// The largest [`Point::cell`], m.
-    pub widest: f32,
     /// Where the points of each bucket start; one more at the end. The number of buckets is a power of two.
     start: Vec<u32>,
-    /// Bucket by bucket.
-    pub points: Vec<Point>,
+    /// Where the points are, m, bucket by bucket. Behind the last come eight that are nowhere.
+    pub at: Soa3,
+    /// Width of the cloth that each point stands for, m.
+    pub cloth: Vec<f32>,
+    /// The slots of the points.
+    pub slot: Vec<u32>,
+    /// The largest of `cloth`, m.
+    pub widest: f32,
     /// The buckets of the points while they are sorted.
     buckets: Vec<u32>,
-}
-
-/// A particle that a flame may heat.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Point {
-    /// Where it is, m.
-    pub at: Vec3,
-    /// Width of the cloth it stands for, m.
-    pub cell: f32,
-    /// Its slot.
-    pub slot: u32,
 }
 
 impl Cells {
     /// Room for `slots` points.
     pub fn new(slots: usize) -> Self {
-        let table = slots.next_power_of_two();
+        let nowhere = || vec![f32::NAN; slots + LANES];
         Self {
             width: 1.0,
+            start: vec![0; slots.next_power_of_two() + 1],
+            at: Soa3 { x: nowhere(), y: nowhere(), z: nowhere() },
+            cloth: nowhere(),
+            slot: vec![0; slots + LANES],
             widest: 0.0,
-            start: vec![0; table + 1],
-            points: Vec::with_capacity(slots),
             buckets: Vec::with_capacity(slots),
         }
     }
 
-    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cell` (m), into cells of `width` m.
-    pub fn build(&mut self, width: f32, slots: impl Iterator<Item = u32> + Clone, position: &Soa3, cell: &[f32]) {
+    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cloth` (m), into cells of `width` m.
+    pub fn build(&mut self, width: f32, slots: impl Iterator<Item = usize> + Clone, position: &Soa3, cloth: &[f32]) {
         (self.width, self.widest) = (width, 0.0);
         self.start.fill(0);
         self.buckets.clear();
         for slot in slots.clone() {
-            let bucket = self.bucket(self.cell(position.get(slot as usize)));
+            let bucket = self.bucket(self.cell(position.get(slot)));
             self.buckets.push(bucket as u32);
             self.start[bucket] += 1;
         }
@@ -58,39 +54,37 @@ impl Cells {
             sum += *start;
             *start = sum;
         }
-        self.points.clear();
-        self.points.resize(self.buckets.len(), Point::default());
         for (slot, bucket) in slots.zip(&self.buckets) {
             let place = &mut self.start[*bucket as usize];
             *place -= 1;
-            let at = position.get(slot as usize);
-            let point = Point { at, cell: cell[slot as usize], slot };
-            self.points[*place as usize] = point;
-            self.widest = self.widest.max(point.cell);
+            let place = *place as usize;
+            self.at.set(place, position.get(slot));
+            (self.cloth[place], self.slot[place]) = (cloth[slot], slot as u32);
+            self.widest = self.widest.max(cloth[slot]);
         }
+        let count = self.buckets.len();
+        (count..count + LANES).for_each(|place| self.at.set(place, Vec3::NAN));
     }
 
-    /// Visits every point within the box of the corners `low` and `high`, and others, some of them twice.
-    pub fn visit(&self, low: Vec3, high: Vec3, mut visit: impl FnMut(&Point)) {
-        if self.points.is_empty() {
-            return;
-        }
-        let (low, high) = (self.cell(low), self.cell(high));
-        for z in low.z..=high.z {
-            for y in low.y..=high.y {
-                for x in low.x..=high.x {
-                    let bucket = self.bucket(IVec3::new(x, y, z));
-                    let points = self.start[bucket] as usize..self.start[bucket + 1] as usize;
-                    self.points[points].iter().for_each(&mut visit);
-                }
-            }
-        }
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.buckets.is_empty()
     }
 
-    fn cell(&self, at: Vec3) -> IVec3 {
+    /// Where the points of `cell` are, and maybe others.
+    #[inline(always)]
+    pub fn points(&self, cell: IVec3) -> core::ops::Range<usize> {
+        let bucket = self.bucket(cell);
+        self.start[bucket] as usize..self.start[bucket + 1] as usize
+    }
+
+    /// The cell that a place is in.
+    #[inline(always)]
+    pub fn cell(&self, at: Vec3) -> IVec3 {
         (at / self.width).floor().as_ivec3()
     }
 
+    #[inline(always)]
     fn bucket(&self, cell: IVec3) -> usize {
         let [x, y, z] = cell.to_array().map(|k| k as u32);
         let hash = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ z.wrapping_mul(83_492_791);
@@ -111,8 +105,13 @@ mod tests {
             cells.build(width, (0..500).filter(|i| i % 3 > 0), &position, &[0.01; 500]);
             let (low, high) = (Vec3::new(-0.21, -0.1, 0.05), Vec3::new(0.1, 0.33, 0.4));
             let inside = |at: Vec3| at.cmpge(low).all() && at.cmple(high).all();
-            let mut found: Vec<u32> = Vec::new();
-            cells.visit(low, high, |point| found.push(point.slot));
+            let (from, to) = (cells.cell(low), cells.cell(high));
+            let mut found = Vec::new();
+            for cell in (0..).map(|k| from + IVec3::new(k % 20, k / 20 % 20, k / 400)).take(8000) {
+                if cell.cmple(to).all() {
+                    found.extend_from_slice(&cells.slot[cells.points(cell)]);
+                }
+            }
             found.retain(|slot| inside(at(*slot as usize)));
             found.sort_unstable();
             found.dedup();

@@ -3,16 +3,18 @@
 //! The balance of every particle is advanced in each tick. Who is within whose flame is looked up in turns, an eighth of
 //! the flames in a tick, and at once for what has just burst into flame: flames are many, and fire is slow.
 
-use fearless_simd::dispatch;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch};
+use glam::{IVec3, Vec3};
 
 use super::balance::{BOILING, Balance, Exposure, LATENT_HEAT, LEAST_MASS};
 use super::cells::Cells;
 use super::conduct::Laplacian;
 use super::flame::Flame;
-use super::rings::Rings;
+use super::rings::{Rings, Spoke};
 use super::state::{State, extend};
 use super::{BURNT, Flammability, Surroundings};
-use crate::lanes::LEVEL;
+use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
 use crate::topology::Change;
 use crate::{Fabric, Particles, Soa3, Topology};
 
@@ -125,16 +127,12 @@ impl Heat {
         if self.turn == 0 {
             self.begin_round(&flame, around.particles, state);
         }
-        self.look_round(&flame, around.rings, state);
+        dispatch!(*LEVEL, simd => self.look_round(simd, &flame, around.rings, state));
         let balance = Balance::new(&self.fabric, self.areal_density, state.air, dt);
         let exposure = &mut self.exposure;
         let outcome = dispatch!(*LEVEL, simd => balance.advance(simd, state, exposure));
         state.flaming = outcome.flaming;
-        for k in 0..state.ignited.len() {
-            let slot = state.ignited[k] as usize;
-            self.heat_around(slot, Some(self.exposure.late[slot]), &flame, around.rings, state);
-            self.looks_away[slot] = 0;
-        }
+        dispatch!(*LEVEL, simd => self.spread(simd, &flame, around.rings, state));
         self.conduct(around.topology, state, dt);
         if outcome.burnt_out {
             burn_through(around.topology, state);
@@ -151,26 +149,45 @@ impl Heat {
         self.reach.fill(0.0);
         self.position.copy_from(&particles.position);
         let mut cells = core::mem::take(&mut self.cells);
-        let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state)).map(|slot| slot as u32);
+        let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state));
         cells.build(flame.longest() / CELLS_A_REACH, slots, &self.position, &self.width);
         self.cells = cells;
     }
 
     /// Looks up whom an eighth of the flames heat.
-    fn look_round(&mut self, flame: &Flame, rings: &Rings, state: &State) {
+    #[inline(always)]
+    fn look_round<S: Simd>(&mut self, simd: S, flame: &Flame, rings: &Rings, state: &State) {
         let slots = state.fuel.len();
         for slot in slots * self.turn / TURNS..slots * (self.turn + 1) / TURNS {
             if self.looks_away[slot] > 0 {
                 self.looks_away[slot] -= 1;
-            } else if self.exposure.flaming[slot] > 0.0 && !self.heat_around(slot, None, flame, rings, state) {
+            } else if self.exposure.flaming[slot] > 0.0 && !self.heat_around(simd, slot, None, flame, rings, state) {
                 self.looks_away[slot] = LOOKS_AWAY;
             }
         }
     }
 
+    /// Heats what is within the flames that have burst out in this tick.
+    #[inline(always)]
+    fn spread<S: Simd>(&mut self, simd: S, flame: &Flame, rings: &Rings, state: &State) {
+        for slot in state.ignited.iter().map(|slot| *slot as usize) {
+            self.heat_around(simd, slot, Some(self.exposure.late[slot]), flame, rings, state);
+            self.looks_away[slot] = 0;
+        }
+    }
+
     /// Heats what is within the flame on `slot`; `false` if nothing is. `late` is how long ago the flame burst out, s, if it
     /// has in this tick.
-    fn heat_around(&mut self, slot: usize, late: Option<f32>, flame: &Flame, rings: &Rings, state: &State) -> bool {
+    #[inline(always)]
+    fn heat_around<S: Simd>(
+        &mut self,
+        simd: S,
+        slot: usize,
+        late: Option<f32>,
+        flame: &Flame,
+        rings: &Rings,
+        state: &State,
+    ) -> bool {
         let at = self.position.get(slot);
         let ring = rings.around(slot);
         let mut any = false;
@@ -186,15 +203,41 @@ impl Heat {
                 }
             }
         }
-        let (exposure, reach) = (&mut self.exposure, &mut self.reach);
-        let widest = self.cells.widest;
-        self.cells.visit(at + flame.low - widest, at + flame.high + widest, |point| {
-            let part = flame.on_cell(point.at - at, point.cell);
-            if part > 0.0 && (part >= 1.0 || ring.iter().all(|spoke| spoke.end != point.slot)) {
-                any = true;
-                expose(exposure, reach, point.slot as usize, part, late);
+        self.heat_cells(simd, at, late, flame, ring) || any
+    }
+
+    /// Heats the cloth within the flame at `at` that is not in its `ring`.
+    #[inline(always)]
+    fn heat_cells<S: Simd>(&mut self, simd: S, at: Vec3, late: Option<f32>, flame: &Flame, ring: &[Spoke]) -> bool {
+        let Self { cells, exposure, reach, .. } = self;
+        let mut any = false;
+        if cells.is_empty() {
+            return any;
+        }
+        let low = cells.cell(at + flame.low - cells.widest);
+        let high = cells.cell(at + flame.high + cells.widest);
+        let at = Vec3x8::splat(simd, at);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let points = cells.points(IVec3::new(x, y, z));
+                    for i in points.clone().step_by(LANES) {
+                        let offset = Vec3x8::load(simd, &cells.at, i) - at;
+                        let parts = flame.on_cells(simd, offset, load(simd, &cells.cloth, i));
+                        if !parts.simd_gt(splat(simd, 0.0)).any_true() {
+                            continue;
+                        }
+                        for k in i..points.end.min(i + LANES) {
+                            let (part, slot) = (parts[k - i], cells.slot[k]);
+                            if part >= 1.0 || part > 0.0 && ring.iter().all(|spoke| spoke.end != slot) {
+                                expose(exposure, reach, slot as usize, part, late);
+                                any = true;
+                            }
+                        }
+                    }
+                }
             }
-        });
+        }
         any
     }
 

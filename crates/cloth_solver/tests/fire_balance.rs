@@ -269,6 +269,25 @@ fn what_is_born_of_burning_cloth_burns_as_its_parents_do() {
 }
 
 #[test]
+fn fire_spreads_as_fast_while_the_topology_changes_in_every_tick() {
+    let climbed = |changes: bool| {
+        let mut strip = Burning::cotton(sheet([0.1, 0.6], 0.016));
+        strip.light(|rest| rest.y < -0.299);
+        let Topology { triangles, rest, .. } = &strip.topology;
+        let triangles = (0..triangles.len() as u32).collect();
+        let change = Change { slots: rest.len(), born: vec![], triangles, gone: vec![] };
+        for _ in 0..240 {
+            strip.tick();
+            if changes {
+                strip.fire.follow(&strip.topology, &change);
+            }
+        }
+        strip.lit_at.iter().filter(|at| at.is_finite()).count()
+    };
+    assert!(climbed(true).abs_diff(climbed(false)) <= 7, "{} instead of {}", climbed(true), climbed(false));
+}
+
+#[test]
 fn the_fabric_may_change_while_it_burns() {
     let mut sheet = Burning::cotton(sheet([0.1, 0.4], 0.02));
     sheet.light(|rest| rest.y < -0.19);

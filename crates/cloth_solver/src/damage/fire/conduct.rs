@@ -1,5 +1,6 @@
 //! Heat that flows along the cloth.
 
+use super::rings::Rings;
 use crate::Topology;
 
 /// The cotangent Laplacian of the cloth at rest, edge by edge (Pinkall and Polthier 1993).
@@ -11,15 +12,14 @@ pub(super) struct Laplacian {
 }
 
 impl Laplacian {
-    pub fn new(topology: &Topology) -> Self {
+    pub fn new(topology: &Topology, rings: &Rings) -> Self {
         let mut weight = vec![0.0; topology.edges.len()];
         for (triangle, rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
             let place = [glam::Vec2::ZERO, rest.x_axis, rest.y_axis];
             for k in 0..3 {
                 let [a, b] = [(k + 1) % 3, (k + 2) % 3];
-                let (p, q) = (triangle[a].min(triangle[b]), triangle[a].max(triangle[b]));
                 let (to_a, to_b) = (place[a] - place[k], place[b] - place[k]);
-                if let Ok(edge) = topology.edges.binary_search(&[p, q]) {
+                if let Some(edge) = rings.edge(triangle[a], triangle[b]) {
                     weight[edge] += 0.5 * to_a.dot(to_b) / rest.determinant();
                 }
             }
@@ -70,7 +70,7 @@ mod tests {
     /// heat at the start and at the end.
     fn faded(seconds: f32, steps: u32) -> (f32, [f32; 2]) {
         let topology = strip();
-        let laplacian = Laplacian::new(&topology);
+        let laplacian = Laplacian::new(&topology, &Rings::new(&topology));
         let wave = |slot: usize| (core::f32::consts::PI * (topology.rest[slot].x + 0.5)).cos();
         let mut temperature: Vec<f32> = (0..topology.slots()).map(wave).collect();
         let heat = |temperature: &[f32]| topology.area.iter().zip(temperature).map(|(a, t)| a * (t + 1.0)).sum::<f32>();
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn heat_does_not_flow_where_the_weight_would_be_negative() {
         let topology = strip();
-        let laplacian = Laplacian::new(&topology);
+        let laplacian = Laplacian::new(&topology, &Rings::new(&topology));
         assert!(laplacian.weight.iter().all(|weight| *weight >= 0.0));
         assert!(laplacian.weight.iter().any(|weight| (*weight - 1.0).abs() < 1e-4), "an inner edge of square cells");
     }

@@ -35,12 +35,12 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub fn new(topology: &Topology, rule: &Contagion) -> Self {
+    pub fn new(topology: &Topology, rings: &Rings, rule: &Contagion) -> Self {
         let edges = topology.edges.len();
         let mut triangles = vec![[NONE; 2]; edges];
         for (triangle, &[a, b, c]) in topology.triangles.iter().enumerate() {
             for (p, q) in [(a, b), (b, c), (c, a)] {
-                if let Ok(edge) = topology.edges.binary_search(&[p.min(q), p.max(q)]) {
+                if let Some(edge) = rings.edge(p, q) {
                     let second = usize::from(triangles[edge][0] != NONE);
                     triangles[edge][second] = triangle as u32;
                 }
@@ -159,21 +159,21 @@ impl Spread {
         }
     }
 
-    /// Follows a change of topology: an edge has what the edge had that it is, is a part or a copy of.
-    pub fn follow(&mut self, topology: &Topology, change: &Change) {
+    /// Follows a change of topology, from the edges `old` to `rings`: an edge has what the edge had that it is, is a part or
+    /// a copy of.
+    pub fn follow(&mut self, topology: &Topology, old: &Rings, rings: &Rings, change: &Change) {
         let parents = |slot: u32| {
             let born = change.born.binary_search_by_key(&slot, |born| born.slot);
             born.map_or([slot; 2], |born| change.born[born].parents)
         };
-        let before = core::mem::replace(self, Self::new(topology, &self.rule));
+        let before = core::mem::replace(self, Self::new(topology, rings, &self.rule));
         (self.chance, self.lit) = (before.chance, before.lit);
         for (edge, ends) in topology.edges.iter().enumerate() {
             let [a, b] = ends.map(parents);
-            let pairs = a.into_iter().flat_map(|a| b.map(|b| [a.min(b), a.max(b)]));
-            let old = pairs.filter_map(|pair| before.edges.binary_search(&pair).ok()).next();
-            let Some(old) = old else { continue };
-            self.damage[edge] = before.damage[old];
-            self.is_burning[edge] = before.is_burning[old];
+            let pairs = a.into_iter().flat_map(|a| b.map(|b| (a, b)));
+            let Some(was) = pairs.filter_map(|(a, b)| old.edge(a, b)).next() else { continue };
+            self.damage[edge] = before.damage[was];
+            self.is_burning[edge] = before.is_burning[was];
             if self.is_burning[edge] {
                 self.burning.push(edge as u32);
                 ends.iter().for_each(|slot| self.flames[*slot as usize] += 1);

@@ -50,9 +50,11 @@ pub(super) struct Heat {
     /// Width of the cloth that each particle stands for, m.
     width: Vec<f32>,
     laplacian: Laplacian,
-    /// Positions at the start of the round, m.
+    /// Positions when the cells were sorted, m.
     position: Soa3,
     cells: Cells,
+    /// Whether the cells are those of this round.
+    is_sorted: bool,
     /// Rounds for which each flame does not look round.
     looks_away: Vec<u8>,
     turn: usize,
@@ -61,7 +63,7 @@ pub(super) struct Heat {
 }
 
 impl Heat {
-    pub fn new(topology: &Topology, cloth: &Fabric, fabric: &Flammability) -> Self {
+    pub fn new(topology: &Topology, rings: &Rings, cloth: &Fabric, fabric: &Flammability) -> Self {
         let slots = topology.slots();
         let zeros = || vec![0.0; slots];
         Self {
@@ -70,10 +72,11 @@ impl Heat {
             thickness: cloth.thickness,
             exposure: Exposure { reach: zeros(), front: zeros(), owed: zeros(), flaming: zeros(), late: zeros() },
             reach: zeros(),
-            width: topology.area.iter().map(|area| area.sqrt()).collect(),
-            laplacian: Laplacian::new(topology),
+            width: widths(topology),
+            laplacian: Laplacian::new(topology, rings),
             position: Soa3::zeros(slots),
             cells: Cells::new(slots),
+            is_sorted: false,
             looks_away: vec![0; slots],
             turn: 0,
             warm: false,
@@ -110,12 +113,15 @@ impl Heat {
     }
 
     /// Follows a change of topology.
-    pub fn follow(&mut self, topology: &Topology, change: &Change) {
-        let mut exposure = core::mem::take(&mut self.exposure);
-        let Exposure { reach, front, owed, flaming, late } = &mut exposure;
-        [reach, front, owed, flaming, late].into_iter().for_each(|array| extend(array, 0.0, change));
-        let cloth = Fabric { areal_density: self.areal_density, thickness: self.thickness, ..Fabric::default() };
-        *self = Self { warm: self.warm, exposure, ..Self::new(topology, &cloth, &self.fabric) };
+    pub fn follow(&mut self, topology: &Topology, rings: &Rings, change: &Change) {
+        let Exposure { reach, front, owed, flaming, late } = &mut self.exposure;
+        let arrays = [reach, front, owed, flaming, late, &mut self.reach];
+        arrays.into_iter().for_each(|array| extend(array, 0.0, change));
+        self.looks_away.resize(change.slots, 0);
+        self.width = widths(topology);
+        self.laplacian = Laplacian::new(topology, rings);
+        (self.position, self.cells) = (Soa3::zeros(change.slots), Cells::new(change.slots));
+        self.is_sorted = false;
     }
 
     /// Advances by a tick of `dt` s.
@@ -125,7 +131,12 @@ impl Heat {
         }
         let flame = Flame::new(&self.fabric, around.surroundings);
         if self.turn == 0 {
-            self.begin_round(&flame, around.particles, state);
+            // What the last round has not found again is no longer in any flame.
+            core::mem::swap(&mut self.reach, &mut self.exposure.reach);
+            self.reach.fill(0.0);
+        }
+        if self.turn == 0 || !self.is_sorted {
+            self.sort(&flame, around.particles, state);
         }
         dispatch!(*LEVEL, simd => self.look_round(simd, &flame, around.rings, state));
         let balance = Balance::new(&self.fabric, self.areal_density, state.air, dt);
@@ -143,15 +154,13 @@ impl Heat {
         }
     }
 
-    /// Takes over what the last round found, and sorts what the flames of this one may heat.
-    fn begin_round(&mut self, flame: &Flame, particles: &Particles, state: &State) {
-        core::mem::swap(&mut self.reach, &mut self.exposure.reach);
-        self.reach.fill(0.0);
+    /// Sorts what flames may heat into cells of space.
+    fn sort(&mut self, flame: &Flame, particles: &Particles, state: &State) {
         self.position.copy_from(&particles.position);
         let mut cells = core::mem::take(&mut self.cells);
         let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state));
         cells.build(flame.longest() / CELLS_A_REACH, slots, &self.position, &self.width);
-        self.cells = cells;
+        (self.cells, self.is_sorted) = (cells, true);
     }
 
     /// Looks up whom an eighth of the flames heat.
@@ -209,32 +218,47 @@ impl Heat {
     /// Heats the cloth within the flame at `at` that is not in its `ring`.
     #[inline(always)]
     fn heat_cells<S: Simd>(&mut self, simd: S, at: Vec3, late: Option<f32>, flame: &Flame, ring: &[Spoke]) -> bool {
-        let Self { cells, exposure, reach, .. } = self;
         let mut any = false;
-        if cells.is_empty() {
+        if self.cells.is_empty() {
             return any;
         }
-        let low = cells.cell(at + flame.low - cells.widest);
-        let high = cells.cell(at + flame.high + cells.widest);
-        let at = Vec3x8::splat(simd, at);
+        let low = self.cells.cell(at + flame.low - self.cells.widest);
+        let high = self.cells.cell(at + flame.high + self.cells.widest);
         for z in low.z..=high.z {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
-                    let points = cells.points(IVec3::new(x, y, z));
-                    for i in points.clone().step_by(LANES) {
-                        let offset = Vec3x8::load(simd, &cells.at, i) - at;
-                        let parts = flame.on_cells(simd, offset, load(simd, &cells.cloth, i));
-                        if !parts.simd_gt(splat(simd, 0.0)).any_true() {
-                            continue;
-                        }
-                        for k in i..points.end.min(i + LANES) {
-                            let (part, slot) = (parts[k - i], cells.slot[k]);
-                            if part >= 1.0 || part > 0.0 && ring.iter().all(|spoke| spoke.end != slot) {
-                                expose(exposure, reach, slot as usize, part, late);
-                                any = true;
-                            }
-                        }
-                    }
+                    let points = self.cells.points(IVec3::new(x, y, z));
+                    any |= self.heat_points(simd, points, at, late, flame, ring);
+                }
+            }
+        }
+        any
+    }
+
+    /// Heats those of the sorted `points` that are within the flame at `at`.
+    #[inline(always)]
+    fn heat_points<S: Simd>(
+        &mut self,
+        simd: S,
+        points: core::ops::Range<usize>,
+        at: Vec3,
+        late: Option<f32>,
+        flame: &Flame,
+        ring: &[Spoke],
+    ) -> bool {
+        let Self { cells, exposure, reach, .. } = self;
+        let mut any = false;
+        for i in points.clone().step_by(LANES) {
+            let offset = Vec3x8::load(simd, &cells.at, i) - Vec3x8::splat(simd, at);
+            let parts = flame.on_cells(simd, offset, load(simd, &cells.cloth, i));
+            if !parts.simd_gt(splat(simd, 0.0)).any_true() {
+                continue;
+            }
+            for k in i..points.end.min(i + LANES) {
+                let (part, slot) = (parts[k - i], cells.slot[k]);
+                if part >= 1.0 || part > 0.0 && ring.iter().all(|spoke| spoke.end != slot) {
+                    expose(exposure, reach, slot as usize, part, late);
+                    any = true;
                 }
             }
         }
@@ -271,6 +295,11 @@ impl Heat {
     fn capacity(&self, slot: usize, state: &State) -> f32 {
         self.areal_density * self.fabric.specific_heat * state.mass_factor[slot].max(LEAST_MASS)
     }
+}
+
+/// Width of the cloth that each particle stands for, m.
+fn widths(topology: &Topology) -> Vec<f32> {
+    topology.area.iter().map(|area| area.sqrt()).collect()
 }
 
 /// Lets a flame heat a part of the cell of `slot`, in this round (`reach`) and from now on; since `late` s, if it is new.

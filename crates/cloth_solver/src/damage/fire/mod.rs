@@ -103,13 +103,14 @@ impl Fire {
     pub fn new(topology: &Topology, fabric: &Fabric, flammable: &Flammable) -> Result<Self, ClothError> {
         fabric.validate()?;
         flammable.validate()?;
+        let rings = Rings::new(topology);
         Ok(Self {
             state: State::new(topology),
-            rings: Rings::new(topology),
             level: match flammable {
-                Flammable::Heat(rule) => Level::Heat(Box::new(Heat::new(topology, fabric, rule))),
-                Flammable::Contagion(rule) => Level::Contagion(Box::new(Spread::new(topology, rule))),
+                Flammable::Heat(rule) => Level::Heat(Box::new(Heat::new(topology, &rings, fabric, rule))),
+                Flammable::Contagion(rule) => Level::Contagion(Box::new(Spread::new(topology, &rings, rule))),
             },
+            rings,
         })
     }
 
@@ -210,10 +211,10 @@ impl Fire {
     /// Follows a `change` that made `topology` of the one before: what is born has the state of its parents.
     pub fn follow(&mut self, topology: &Topology, change: &Change) {
         self.state.follow(topology, change);
-        self.rings = Rings::new(topology);
+        let old = core::mem::replace(&mut self.rings, Rings::new(topology));
         match &mut self.level {
-            Level::Heat(heat) => heat.follow(topology, change),
-            Level::Contagion(spread) => spread.follow(topology, change),
+            Level::Heat(heat) => heat.follow(topology, &self.rings, change),
+            Level::Contagion(spread) => spread.follow(topology, &old, &self.rings, change),
         }
     }
 

@@ -40,8 +40,16 @@ impl Rings {
         Self { start, spokes }
     }
 
-    /// The edges around `slot`.
+    /// The edges around `slot`; none if there is no such slot.
     pub fn around(&self, slot: usize) -> &[Spoke] {
-        &self.spokes[self.start[slot] as usize..self.start[slot + 1] as usize]
+        match self.start.get(slot..slot + 2) {
+            Some(&[from, to]) => &self.spokes[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+
+    /// The edge between `a` and `b`.
+    pub fn edge(&self, a: u32, b: u32) -> Option<usize> {
+        self.around(a as usize).iter().find(|spoke| spoke.end == b).map(|spoke| spoke.edge as usize)
     }
 }

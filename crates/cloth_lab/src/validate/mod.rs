@@ -5,6 +5,7 @@ mod cantilever;
 pub mod closed;
 mod contact;
 pub mod finding;
+mod fire;
 mod hang;
 mod motion;
 mod plane;
@@ -55,6 +56,9 @@ const CHECKS: &[Check] = &[
     ("contact depth", contact::depth),
     ("air: fall", air::fall),
     ("air: wind", air::wind),
+    ("fire: spread", fire::spread),
+    ("fire: slope, mass and tick", fire::slope),
+    ("fire: ignition", fire::ignition),
     ("conservation", motion::conservation),
     ("free fall", motion::fall),
     ("mesh and step independence", hang::refined),

@@ -5,6 +5,9 @@ use glam::{IVec3, Vec3};
 use crate::Soa3;
 use crate::lanes::LANES;
 
+/// Cells of space along the longest reach of a flame.
+const CELLS_A_REACH: f32 = 2.0;
+
 /// Points sorted by the cell of space they lie in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
@@ -39,9 +42,11 @@ impl Cells {
         }
     }
 
-    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cloth` (m), into cells of `width` m.
-    pub fn build(&mut self, width: f32, slots: impl Iterator<Item = usize> + Clone, position: &Soa3, cloth: &[f32]) {
-        (self.width, self.widest) = (width, 0.0);
+    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cloth` (m), into cells that are not much
+    /// smaller than `reach` (m) and the widths: a box about that large has few of them.
+    pub fn build(&mut self, reach: f32, slots: impl Iterator<Item = usize> + Clone, position: &Soa3, cloth: &[f32]) {
+        self.widest = cloth.iter().copied().fold(0.0, f32::max);
+        self.width = CELLS_A_REACH.recip() * self.widest.max(reach);
         self.start.fill(0);
         self.buckets.clear();
         for slot in slots.clone() {
@@ -60,7 +65,6 @@ impl Cells {
             let place = *place as usize;
             self.at.set(place, position.get(slot));
             (self.cloth[place], self.slot[place]) = (cloth[slot], slot as u32);
-            self.widest = self.widest.max(cloth[slot]);
         }
         let count = self.buckets.len();
         (count..count + LANES).for_each(|place| self.at.set(place, Vec3::NAN));

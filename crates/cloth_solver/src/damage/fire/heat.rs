@@ -24,9 +24,6 @@ const TURNS: usize = 8;
 /// Rounds for which a flame with nothing to heat does not look round again.
 const LOOKS_AWAY: u8 = 3;
 
-/// Cells of space along the longest reach of a flame.
-const CELLS_A_REACH: f32 = 2.0;
-
 /// What a tick needs to know of the cloth and of what is around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Around<'a> {
@@ -159,7 +156,7 @@ impl Heat {
         self.position.copy_from(&particles.position);
         let mut cells = core::mem::take(&mut self.cells);
         let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state));
-        cells.build(flame.longest() / CELLS_A_REACH, slots, &self.position, &self.width);
+        cells.build(flame.longest(), slots, &self.position, &self.width);
         (self.cells, self.is_sorted) = (cells, true);
     }
 

@@ -154,10 +154,9 @@ fn fire_in_a_folded_sheet_leaps_to_the_layer_above_and_not_to_the_one_below() {
 
 #[test]
 fn a_particle_in_a_flame_lights_after_the_time_of_a_thin_fuel() {
-    // The flame from below reaches over all of the cell 2 cm above it.
     for areal_density in [0.08, 0.15, 0.4] {
         let fabric = Fabric { areal_density, ..SHEET };
-        let mut strip = Burning::new(sheet([0.02, 0.04], 0.02), &fabric, &Flammable::default());
+        let mut strip = Burning::new(sheet([0.02, 0.04], 0.02), &fabric, &Flammable::Heat(TALL_FLAMES));
         strip.light(|rest| rest.y < -0.015);
         let middle = strip.slots(|rest| rest.y.abs() < 1e-3)[0] as usize;
         strip.run(10.0);

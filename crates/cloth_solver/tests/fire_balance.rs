@@ -17,7 +17,7 @@ const LATENT_HEAT: f32 = 2.26e6;
 fn wet_cloth_does_not_light_before_its_water_has_boiled_away() {
     let lights_after = |water: f32| {
         // Flames that burn as long as the test lasts.
-        let slow = Flammability { mass_loss_rate: 1e-3, ..Flammability::COTTON };
+        let slow = Flammability { mass_loss_rate: 1e-3, ..TALL_FLAMES };
         let mut strip = Burning::new(sheet([0.02, 0.04], 0.02), &SHEET, &Flammable::Heat(slow));
         strip.fire.wet(&strip.particles, Vec3::ZERO, 0.015, water).unwrap();
         let middle = strip.slots(|rest| rest.y.abs() < 1e-3)[0];

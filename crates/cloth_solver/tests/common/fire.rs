@@ -14,6 +14,9 @@ pub const SHEET: Fabric = Fabric::COTTON_POPLIN;
 /// Heat that takes it from room temperature to ignition, J/m².
 pub const TO_IGNITION: f32 = 0.15 * 1340.0 * (Flammability::COTTON.ignition - ROOM_TEMPERATURE);
 
+/// Cotton whose flames are so high that a particle just above one gets all of their flux.
+pub const TALL_FLAMES: Flammability = Flammability { reach_up: 10.0, ..Flammability::COTTON };
+
 /// A cloth that does not move, and its fire.
 #[derive(Clone)]
 pub struct Burning {

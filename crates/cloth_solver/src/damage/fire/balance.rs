@@ -31,10 +31,13 @@ pub(super) const LEAST_MASS: f32 = BURNT;
 pub(super) struct Exposure {
     /// Part of the cell that flames reach, 0..=1.
     pub reach: Vec<f32>,
-    /// Part of the cell that the front of the fire, once it has entered, heats as it crosses, 0..=1.
-    pub front: Vec<f32>,
     /// Time for which the full flux is owed since before this tick, s.
     pub owed: Vec<f32>,
+    /// Part of the full flux that drives the front of the fire through the cell, 0..=1; 0 where no front is. It goes on though
+    /// the flame behind it has burnt out: in truth the flame is in the cell.
+    pub front: Vec<f32>,
+    /// How much of the cell the front has crossed, 0..=1.
+    pub crossed: Vec<f32>,
     /// 1 where it was in flames at the last tick.
     pub flaming: Vec<f32>,
     /// How long ago what has just burst into flame did so, s.
@@ -42,16 +45,9 @@ pub(super) struct Exposure {
 }
 
 impl Exposure {
-    /// Owes what a flame that heats a part of the cell of `slot` has given it in the `late` s that it burns already.
-    pub fn owe(&mut self, slot: usize, part: f32, late: Option<f32>) {
-        let more = part - self.reach[slot].max(self.front[slot]);
-        self.owed[slot] += more.max(0.0) * late.unwrap_or(0.0);
-    }
-
-    /// Lets a front enter the cell of `slot` that heats a part of it, if no faster one is on its way.
-    pub fn send_front(&mut self, slot: usize, part: f32, late: Option<f32>) {
-        self.owe(slot, part, late);
-        self.front[slot] = self.front[slot].max(part);
+    pub fn new(slots: usize) -> Self {
+        let zeros = || vec![0.0; slots];
+        Self { reach: zeros(), owed: zeros(), front: zeros(), crossed: zeros(), flaming: zeros(), late: zeros() }
     }
 }
 
@@ -108,7 +104,7 @@ impl Balance {
             let fuel = load(simd, &state.fuel, i);
             let (heated, lit) = self.heat(simd, state, exposure, i);
             store(heated, &mut state.temperature, i);
-            let left = self.consume(simd, state, i, heated);
+            let left = self.consume(simd, state, i, heated, load(simd, &exposure.crossed, i));
             let limit = splat(simd, BURNT);
             outcome.flaming += load(simd, &exposure.flaming, i).simd_gt(zero).to_bitmask().count_ones() as usize;
             outcome.burnt_out |= (fuel.simd_gt(limit) & left.simd_le(limit)).any_true();
@@ -124,16 +120,13 @@ impl Balance {
     #[inline(always)]
     fn heat<S: Simd>(&self, simd: S, state: &mut State, exposure: &mut Exposure, i: usize) -> (f32x8<S>, f32x8<S>) {
         let (zero, one, dt) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, self.dt));
-        let (ignition, burnt) = (splat(simd, self.fabric.ignition), splat(simd, BURNT));
+        let (ignition, air) = (splat(simd, self.fabric.ignition), splat(simd, self.air));
         let (t, fuel) = (load(simd, &state.temperature, i), load(simd, &state.fuel, i));
         let wet = load(simd, &state.moisture, i);
+        let burnt = splat(simd, BURNT);
         let combustible = fuel.simd_gt(burnt);
         let was_flaming = combustible & t.simd_ge(ignition);
-        // A front goes on until its cell has lit; it does not cross wet cloth by itself, but flames beside it dry it.
-        let crosses = combustible & t.simd_lt(ignition) & wet.simd_le(zero);
-        let front = crosses.select(load(simd, &exposure.front, i), zero);
-        store(front, &mut exposure.front, i);
-        let touched = was_flaming.select(one, load(simd, &exposure.reach, i).max(front));
+        let touched = was_flaming.select(one, load(simd, &exposure.reach, i));
         let mass = load(simd, &state.mass_factor, i).max(splat(simd, LEAST_MASS));
         let capacity = mass * splat(simd, self.capacity);
         let flux = splat(simd, self.fabric.heat_flux) / capacity;
@@ -146,36 +139,48 @@ impl Balance {
         let dry = t + rise - steam * latent / capacity;
 
         let start = t.max(ignition);
+        let tiny = splat(simd, f32::MIN_POSITIVE);
         let range = splat(simd, FLAME_TEMPERATURE - self.fabric.ignition);
         let beyond = (dry - start) / range;
         let limited = start + (splat(simd, FLAME_TEMPERATURE) - start) * beyond / (one + beyond);
         let heated = dry.simd_gt(start).select(limited, dry);
 
         let glows = fuel.simd_gt(zero) & fuel.simd_le(burnt) & t.simd_ge(splat(simd, self.fabric.decomposition));
-        let air = splat(simd, self.air);
         let radiated = splat(simd, RADIATION) * (t * t + air * air) * (t + air);
         let lost = (radiated + splat(simd, CONVECTION)) * dt / capacity;
         let loses = (touched.simd_gt(zero) | glows).select(zero, lost);
         let after = air + (heated - air) / (one + loses);
 
+        // A front crosses what is dry and does not burn yet.
+        let front =
+            (combustible & t.simd_lt(ignition) & wet.simd_le(zero)).select(load(simd, &exposure.front, i), zero);
+        let speed = flux * front / (ignition - air);
+        let crossed = load(simd, &exposure.crossed, i) + speed * dt;
+        let arrived = front.simd_gt(zero) & crossed.simd_ge(one);
+        store(front, &mut exposure.front, i);
+        store(front.simd_gt(zero).select(crossed, zero), &mut exposure.crossed, i);
+
+        let since =
+            arrived.select((crossed - one) / speed.max(tiny), (dry - start).max(zero) / (flux * touched).max(tiny));
+        let after = arrived.select(after.max(ignition), after);
         let flaming = (combustible & after.simd_ge(ignition)).select(one, zero);
         let lit = (flaming - load(simd, &exposure.flaming, i)).max(zero);
         store(flaming, &mut exposure.flaming, i);
         store(zero, &mut exposure.owed, i);
-        store((dry - start).max(zero) / (flux * touched.max(splat(simd, f32::MIN_POSITIVE))), &mut exposure.late, i);
+        store(since, &mut exposure.late, i);
         (after, lit)
     }
 
-    /// Burns what is hot enough, tells what follows from it, and returns the fuel that is left.
+    /// Burns what is hot enough, of a cell that a front has crossed in part, tells what follows from it, and returns the fuel that is left.
     #[inline(always)]
-    fn consume<S: Simd>(&self, simd: S, state: &mut State, i: usize, t: f32x8<S>) -> f32x8<S> {
+    fn consume<S: Simd>(&self, simd: S, state: &mut State, i: usize, t: f32x8<S>, crossed: f32x8<S>) -> f32x8<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let fuel = load(simd, &state.fuel, i);
         let rate = fuel.simd_gt(splat(simd, BURNT)).select(splat(simd, self.burns), splat(simd, self.glows));
         let hot = t.simd_ge(splat(simd, self.fabric.decomposition));
         let left = hot.select((fuel - rate).max(zero), fuel);
         let near = (t - splat(simd, BOILING)) / splat(simd, self.fabric.decomposition - BOILING);
-        let scorch = load(simd, &state.scorch, i).max(near.min(one));
+        let scorch = load(simd, &state.scorch, i).max(near.max(crossed).min(one));
         store(left, &mut state.fuel, i);
         store(scorch, &mut state.scorch, i);
         state.tell(simd, i, self.fabric.char, self.fabric.shrinkage);

@@ -62,13 +62,12 @@ pub(super) struct Heat {
 impl Heat {
     pub fn new(topology: &Topology, rings: &Rings, cloth: &Fabric, fabric: &Flammability) -> Self {
         let slots = topology.slots();
-        let zeros = || vec![0.0; slots];
         Self {
             fabric: *fabric,
             areal_density: cloth.areal_density,
             thickness: cloth.thickness,
-            exposure: Exposure { reach: zeros(), front: zeros(), owed: zeros(), flaming: zeros(), late: zeros() },
-            reach: zeros(),
+            exposure: Exposure::new(slots),
+            reach: vec![0.0; slots],
             width: widths(topology),
             laplacian: Laplacian::new(topology, rings),
             position: Soa3::zeros(slots),
@@ -111,8 +110,8 @@ impl Heat {
 
     /// Follows a change of topology.
     pub fn follow(&mut self, topology: &Topology, rings: &Rings, change: &Change) {
-        let Exposure { reach, front, owed, flaming, late } = &mut self.exposure;
-        let arrays = [reach, front, owed, flaming, late, &mut self.reach];
+        let Exposure { reach, owed, front, crossed, flaming, late } = &mut self.exposure;
+        let arrays = [reach, owed, front, crossed, flaming, late, &mut self.reach];
         arrays.into_iter().for_each(|array| extend(array, 0.0, change));
         self.looks_away.resize(change.slots, 0);
         self.width = widths(topology);
@@ -156,7 +155,7 @@ impl Heat {
         self.position.copy_from(&particles.position);
         let mut cells = core::mem::take(&mut self.cells);
         let slots = (0..state.fuel.len()).filter(|slot| self.catches(*slot, state));
-        cells.build(flame.longest(), slots, &self.position, &self.width);
+        cells.build(flame.longest, slots, &self.position, &self.width);
         (self.cells, self.is_sorted) = (cells, true);
     }
 
@@ -201,18 +200,29 @@ impl Heat {
             if self.catches(end, state) {
                 any = true;
                 let part = flame.on_neighbour(self.position.get(end) - at);
-                if part >= 1.0 || state.moisture[end] > 0.0 {
+                if state.moisture[end] > 0.0 {
                     expose(&mut self.exposure, &mut self.reach, end, part, late);
                 } else if late.is_some() || self.exposure.front[end] == 0.0 {
-                    let way = (state.temperature[end] - state.air) / (self.fabric.ignition - state.air);
-                    self.exposure.send_front(end, part * (1.0 - way.max(0.0)), late);
+                    self.send_front(end, part, late, state);
                 }
             }
         }
         self.heat_cells(simd, at, late, flame, ring) || any
     }
 
-    /// Heats the cloth within the flame at `at` that is not in its `ring`.
+    /// Sends a front, driven by a part of the flux, into the cell of `slot`, which it would cross as a whole. One that is on its
+    /// way is overtaken only if it would arrive later: fronts do not add up.
+    fn send_front(&mut self, slot: usize, part: f32, late: Option<f32>, state: &State) {
+        let heat = self.capacity(slot, state) * (self.fabric.ignition - state.air);
+        let Exposure { front, crossed, .. } = &mut self.exposure;
+        let left = part * (1.0 - crossed[slot]);
+        if left > front[slot] {
+            crossed[slot] += (left - front[slot]) * late.unwrap_or(0.0) * self.fabric.heat_flux / heat;
+            front[slot] = left;
+        }
+    }
+
+    /// Heats the cloth within the flame at `at`, of its `ring` what it covers.
     #[inline(always)]
     fn heat_cells<S: Simd>(&mut self, simd: S, at: Vec3, late: Option<f32>, flame: &Flame, ring: &[Spoke]) -> bool {
         let mut any = false;
@@ -247,13 +257,14 @@ impl Heat {
         let mut any = false;
         for i in points.clone().step_by(LANES) {
             let offset = Vec3x8::load(simd, &cells.at, i) - Vec3x8::splat(simd, at);
-            let parts = flame.on_cells(simd, offset, load(simd, &cells.cloth, i));
+            let [parts, ways] = flame.on_cells(simd, offset, load(simd, &cells.cloth, i));
             if !parts.simd_gt(splat(simd, 0.0)).any_true() {
                 continue;
             }
             for k in i..points.end.min(i + LANES) {
                 let (part, slot) = (parts[k - i], cells.slot[k]);
-                if part >= 1.0 || part > 0.0 && ring.iter().all(|spoke| spoke.end != slot) {
+                // A cell of the ring that the flame does not cover is crossed by a front.
+                if part > 0.0 && (ways[k - i] < 1.0 || ring.iter().all(|spoke| spoke.end != slot)) {
                     expose(exposure, reach, slot as usize, part, late);
                     any = true;
                 }
@@ -275,8 +286,8 @@ impl Heat {
 
     /// Everything is cold again.
     fn rest(&mut self) {
-        let Exposure { reach, front, owed, flaming, .. } = &mut self.exposure;
-        for array in [reach, front, owed, flaming, &mut self.reach] {
+        let Exposure { reach, owed, front, crossed, flaming, .. } = &mut self.exposure;
+        for array in [reach, owed, front, crossed, flaming, &mut self.reach] {
             array.fill(0.0);
         }
         self.looks_away.fill(0);
@@ -299,9 +310,9 @@ fn widths(topology: &Topology) -> Vec<f32> {
     topology.area.iter().map(|area| area.sqrt()).collect()
 }
 
-/// Lets a flame heat a part of the cell of `slot`, in this round (`reach`) and from now on; since `late` s, if it is new.
+/// Gives `slot` a part of the flux of a flame, in this round (`reach`) and from now on; since `late` s, if it is new.
 fn expose(exposure: &mut Exposure, reach: &mut [f32], slot: usize, part: f32, late: Option<f32>) {
-    exposure.owe(slot, part, late);
+    exposure.owed[slot] += (part - exposure.reach[slot]).max(0.0) * late.unwrap_or(0.0);
     exposure.reach[slot] = exposure.reach[slot].max(part);
     reach[slot] = reach[slot].max(part);
 }

@@ -1,8 +1,8 @@
 //! What fire costs in a tick of 1/60 s: `cargo bench -p cloth_solver --bench fire`.
 //!
-//! A square metre of hanging cotton of 64 × 64 particles. `cold`: nothing burns; `alight`: everything does; `climbing`: the fire has
-//! climbed half of the sheet from its lower edge; `folded`: the same in a sheet folded to four layers 2 cm apart. `quiet step`
-//! is the tick of the cloth itself at the default budget, to compare with.
+//! A square metre of hanging cotton of 64 × 64 particles. `cold`: nothing burns; `alight`: everything does; `climbing`:
+//! the fire has climbed half of the sheet from its lower edge; `folded`: the same in a sheet folded to four layers 2 cm
+//! apart. `quiet step` is the tick of the cloth itself at the default budget, to compare with.
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -63,7 +63,8 @@ fn fire_climbs_creeps_aside_and_crawls_down_as_measured_on_every_mesh() {
 
 #[test]
 fn cotton_at_45_degrees_takes_three_and_a_half_to_fifteen_seconds_for_127_mm() {
-    // 16 CFR 1610: a strip of 50 × 150 mm, lit at its lower end; the thread that stops the clock is 127 mm above the flame.
+    // 16 CFR 1610: a strip of 50 × 150 mm, lit at its lower end; the thread that stops the clock is 127 mm above the
+    // flame.
     for spacing in [0.005, 0.0125, 0.025] {
         let mut strip = leaning(sheet([0.05, 0.15], spacing));
         strip.light(|rest| rest.y < -0.0749);
@@ -73,6 +74,14 @@ fn cotton_at_45_degrees_takes_three_and_a_half_to_fifteen_seconds_for_127_mm() {
         }
         assert!((3.5..15.0).contains(&strip.time), "{} s with cells of {spacing} m", strip.time);
     }
+}
+
+#[test]
+fn polyester_burns_as_slowly_as_measured_though_it_melts() {
+    let fabric = Fabric { areal_density: 0.1, ..SHEET };
+    let strip = |size| Burning::new(sheet(size, 0.016), &fabric, &Flammable::Heat(Flammability::POLYESTER));
+    let rates = [strip([0.1, 0.4]).speed(up), strip([0.2, 0.1]).speed(across)];
+    assert!((rates[0] / 0.02 - 1.0).abs() < 0.2 && (rates[1] / 0.01 - 1.0).abs() < 0.2, "{rates:?}");
 }
 
 #[test]

@@ -203,8 +203,8 @@ pub fn ignition(bench: &mut Bench) -> Result<(), ClothError> {
     Ok(())
 }
 
-/// When the lower end and the middle of a strip light, s: a high flame stands on the end, and the middle, 2 cm above it, is
-/// wet with `water` kg/m². NaN for what does not light.
+/// When the lower end and the middle of a strip light, s: a high flame stands on the end, and the middle, 2 cm above
+/// it, is wet with `water` kg/m². NaN for what does not light.
 fn lit_from_below(density: f32, water: f32) -> Result<[f64; 2], ClothError> {
     // So high that the middle gets all of its flux.
     let tall = Flammability { reach_up: 10.0, ..Flammability::COTTON };

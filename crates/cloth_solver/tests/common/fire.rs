@@ -110,8 +110,8 @@ pub fn sheet(size: [f32; 2], spacing: f32) -> Topology {
     Topology::rectangle(size.into(), Resolution::Spacing(spacing)).unwrap()
 }
 
-/// A rectangular mesh of `size`, m, whose vertices lie in a grid of about `spacing` m turned by 45°, or with `jitter` (in
-/// spacings) strewn about the places of a grid that is not turned. The border stays straight.
+/// A rectangular mesh of `size`, m, whose vertices lie in a grid of about `spacing` m turned by 45°, or with `jitter`
+/// (in spacings) strewn about the places of a grid that is not turned. The border stays straight.
 pub fn mesh(size: [f32; 2], spacing: f32, jitter: f32) -> Topology {
     let cells = (Vec2::from(size) / spacing).round().as_uvec2();
     let step = Vec2::from(size) / cells.as_vec2();

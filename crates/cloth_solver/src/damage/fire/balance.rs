@@ -1,11 +1,11 @@
 //! The heat balance of each particle over a tick, eight at a time.
 //!
-//! `σ c dT/dt = q − h (T − T_air) − 2 ε σ_SB (T⁴ − T_air⁴) − L dw/dt`, per area of cloth. What a flame touches takes its net
-//! flux q and loses nothing to the air; beyond ignition q falls with the distance to the flame's temperature, so that
-//! nothing gets hotter than the flame. Losses are implicit. Both together are stable at any tick.
+//! `σ c dT/dt = q − h (T − T_air) − 2 ε σ_SB (T⁴ − T_air⁴) − L dw/dt`, per area of cloth. What a flame touches takes
+//! its net flux q and loses nothing to the air; beyond ignition q falls with the distance to the flame's temperature,
+//! so that nothing gets hotter than the flame. Losses are implicit. Both together are stable at any tick.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use super::state::State;
 use super::{BURNT, COLD, FLAME_TEMPERATURE, Flammability};
@@ -33,8 +33,8 @@ pub(super) struct Exposure {
     pub reach: Vec<f32>,
     /// Time for which the full flux is owed since before this tick, s.
     pub owed: Vec<f32>,
-    /// Part of the full flux that drives the front of the fire through the cell, 0..=1; 0 where no front is. It goes on though
-    /// the flame behind it has burnt out: in truth the flame is in the cell.
+    /// Part of the full flux that drives the front of the fire through the cell, 0..=1; 0 where no front is. It goes on
+    /// though the flame behind it has burnt out: in truth the flame is in the cell.
     pub front: Vec<f32>,
     /// How much of the cell the front has crossed, 0..=1.
     pub crossed: Vec<f32>,
@@ -152,16 +152,10 @@ impl Balance {
         let after = air + (heated - air) / (one + loses);
 
         // A front crosses what is dry and does not burn yet.
-        let front =
-            (combustible & t.simd_lt(ignition) & wet.simd_le(zero)).select(load(simd, &exposure.front, i), zero);
-        let speed = flux * front / (ignition - air);
-        let crossed = load(simd, &exposure.crossed, i) + speed * dt;
-        let arrived = front.simd_gt(zero) & crossed.simd_ge(one);
-        store(front, &mut exposure.front, i);
-        store(front.simd_gt(zero).select(crossed, zero), &mut exposure.crossed, i);
-
-        let since =
-            arrived.select((crossed - one) / speed.max(tiny), (dry - start).max(zero) / (flux * touched).max(tiny));
+        let open = combustible & t.simd_lt(ignition) & wet.simd_le(zero);
+        let front = open.select(load(simd, &exposure.front, i), zero);
+        let (arrived, ago) = self.cross(simd, exposure, i, front, flux);
+        let since = arrived.select(ago, (dry - start).max(zero) / (flux * touched).max(tiny));
         let after = arrived.select(after.max(ignition), after);
         let flaming = (combustible & after.simd_ge(ignition)).select(one, zero);
         let lit = (flaming - load(simd, &exposure.flaming, i)).max(zero);
@@ -171,7 +165,28 @@ impl Balance {
         (after, lit)
     }
 
-    /// Burns what is hot enough, of a cell that a front has crossed in part, tells what follows from it, and returns the fuel that is left.
+    /// Moves the fronts on that a part `front` of the `flux` (K/s) drives: which of them have crossed their cells, and
+    /// how long ago, s.
+    #[inline(always)]
+    fn cross<S: Simd>(
+        &self,
+        simd: S,
+        exposure: &mut Exposure,
+        i: usize,
+        front: f32x8<S>,
+        flux: f32x8<S>,
+    ) -> (mask32x8<S>, f32x8<S>) {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let speed = flux * front / splat(simd, self.fabric.ignition - self.air);
+        let there = front.simd_gt(zero);
+        let crossed = load(simd, &exposure.crossed, i) + speed * splat(simd, self.dt);
+        store(front, &mut exposure.front, i);
+        store(there.select(crossed, zero), &mut exposure.crossed, i);
+        (there & crossed.simd_ge(one), (crossed - one) / speed.max(splat(simd, f32::MIN_POSITIVE)))
+    }
+
+    /// Burns what is hot enough, scorches it, also by a front that has `crossed` a part of the cell, tells what
+    /// follows, and returns the fuel that is left.
     #[inline(always)]
     fn consume<S: Simd>(&self, simd: S, state: &mut State, i: usize, t: f32x8<S>, crossed: f32x8<S>) -> f32x8<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));

@@ -6,7 +6,7 @@ use crate::Soa3;
 use crate::lanes::LANES;
 
 /// Cells of space along the longest reach of a flame.
-const CELLS_A_REACH: f32 = 2.0;
+const CELLS_A_REACH: f32 = 3.0;
 
 /// Points sorted by the cell of space they lie in.
 #[derive(Clone, Debug, Default)]
@@ -42,8 +42,8 @@ impl Cells {
         }
     }
 
-    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cloth` (m), into cells that are not much
-    /// smaller than `reach` (m) and the widths: a box about that large has few of them.
+    /// Sorts the particles `slots`, which stand at `position` for cloth of the widths `cloth` (m), into cells that are
+    /// not much smaller than `reach` (m) and the widths: a box about that large has few of them.
     pub fn build(&mut self, reach: f32, slots: impl Iterator<Item = usize> + Clone, position: &Soa3, cloth: &[f32]) {
         self.widest = cloth.iter().copied().fold(0.0, f32::max);
         self.width = CELLS_A_REACH.recip() * self.widest.max(reach);

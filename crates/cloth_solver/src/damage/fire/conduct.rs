@@ -6,8 +6,8 @@ use crate::Topology;
 /// The cotangent Laplacian of the cloth at rest, edge by edge (Pinkall and Polthier 1993).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Laplacian {
-    /// Half the sum of the cotangents of the angles opposite to each edge, in the order of [`Topology::edges`]. 0 where the
-    /// two angles are wider than a straight one together: heat would flow from cold to hot.
+    /// Half the sum of the cotangents of the angles opposite to each edge, in the order of [`Topology::edges`]. 0 where
+    /// the two angles are wider than a straight one together: heat would flow from cold to hot.
     weight: Vec<f32>,
 }
 
@@ -28,9 +28,9 @@ impl Laplacian {
         Self { weight }
     }
 
-    /// Lets heat flow along the edges `range` at the conductance of the cloth times the time, κ t dt (J/K), between particles
-    /// of the heat capacities `capacity` (J/K). Each edge brings its ends nearer to their common temperature and never
-    /// past it: stable at any step, and no heat is lost or made.
+    /// Lets heat flow along the edges `range` at the conductance of the cloth times the time, κ t dt (J/K), between
+    /// particles of the heat capacities `capacity` (J/K). Each edge brings its ends nearer to their common temperature
+    /// and never past it: stable at any step, and no heat is lost or made.
     pub fn flow(
         &self,
         edges: &[[u32; 2]],
@@ -66,8 +66,8 @@ mod tests {
         Topology::rectangle(Vec2::new(1.0, 0.1), Resolution::Cells(UVec2::new(40, 4))).unwrap()
     }
 
-    /// Lets a wave of half a length fade over `seconds` in `steps`, with a diffusivity of 1 m²/s; what is left of it, and the
-    /// heat at the start and at the end.
+    /// Lets a wave of half a length fade over `seconds` in `steps`, with a diffusivity of 1 m²/s; what is left of it,
+    /// and the heat at the start and at the end.
     fn faded(seconds: f32, steps: u32) -> (f32, [f32; 2]) {
         let topology = strip();
         let laplacian = Laplacian::new(&topology, &Rings::new(&topology));

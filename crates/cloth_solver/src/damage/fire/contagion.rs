@@ -159,8 +159,8 @@ impl Spread {
         }
     }
 
-    /// Follows a change of topology, from the edges `old` to `rings`: an edge has what the edge had that it is, is a part or
-    /// a copy of.
+    /// Follows a change of topology, from the edges `old` to `rings`: an edge has what the edge had that it is, is a
+    /// part or a copy of.
     pub fn follow(&mut self, topology: &Topology, old: &Rings, rings: &Rings, change: &Change) {
         let parents = |slot: u32| {
             let born = change.born.binary_search_by_key(&slot, |born| born.slot);

@@ -7,13 +7,14 @@ use glam::Vec3;
 use super::{Flammability, Surroundings};
 use crate::lanes::{Vec3x8, splat};
 
-/// Speed at which the hot gas of a flame rises in still air, m/s: √(g L) of a flame of a tenth of a metre. The wind adds to it.
+/// Speed at which the hot gas of a flame rises in still air, m/s: √(g L) of a flame of a tenth of a metre. The wind
+/// adds to it.
 const BUOYANT_SPEED: f32 = 1.0;
 
 /// Two half ellipsoids on a burning particle: along the stream of hot gas, and against it.
 ///
-/// The heat flux falls from that of the fabric at the particle to nothing at the surface, in proportion to the way. The surface
-/// therefore lies at twice the preheat length, along which the full flux would heat as much.
+/// The heat flux falls from that of the fabric at the particle to nothing at the surface, in proportion to the way. The
+/// surface therefore lies at twice the preheat length, along which the full flux would heat as much.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flame {
     /// Where the hot gas goes, of unit length; zero without wind and gravity, then the flame is a ball.
@@ -45,8 +46,8 @@ impl Flame {
         Self { axis, per_up, per_across, per_down, longest: up.max(across).max(down), low, high }
     }
 
-    /// Which part of the flux the cell between the particle and a neighbour at `offset` (m) gets, 0..=1: the mean over the
-    /// way. The front of the fire crosses the edge at the speed of the fabric, however long the edge is.
+    /// Which part of the flux the cell between the particle and a neighbour at `offset` (m) gets, 0..=1: the mean over
+    /// the way. The front of the fire crosses the edge at the speed of the fabric, however long the edge is.
     pub fn on_neighbour(&self, offset: Vec3) -> f32 {
         let along = offset.dot(self.axis);
         let across = (offset.length_squared() - along * along).max(0.0);
@@ -55,12 +56,12 @@ impl Flame {
         if way < 1.0 { 1.0 - 0.5 * way } else { 0.5 / way }
     }
 
-    /// Which part of the flux each of eight cells of the widths `cloth` (m) at `offset` gets, 0..=1, and how far `offset` is
-    /// on the way from the particle to the surface, 1 there.
+    /// Which part of the flux each of eight cells of the widths `cloth` (m) at `offset` gets, 0..=1, and how far
+    /// `offset` is on the way from the particle to the surface, 1 there.
     ///
-    /// The cell under the flame burns up to its border, half a width nearer, and the one at `offset` begins half a width
-    /// before `offset`: what it gets is the mean over its width that ends at `offset`. In a row of cells that adds up to the
-    /// preheat length, however wide they are. 0 where a place or width is not a number.
+    /// The cell under the flame burns up to its border, half a width nearer, and the one at `offset` begins half a
+    /// width before `offset`: what it gets is the mean over its width that ends at `offset`. In a row of cells that
+    /// adds up to the preheat length, however wide they are. 0 where a place or width is not a number.
     #[inline(always)]
     pub fn on_cells<S: Simd>(&self, simd: S, offset: Vec3x8<S>, cloth: f32x8<S>) -> [f32x8<S>; 2] {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));

@@ -4,14 +4,16 @@ use crate::ClothError;
 
 /// How a fabric burns: its heat balance, and the flame that stands on it.
 ///
-/// A thin fabric of areal density σ lights after `σ c (T_ig − T₀) / q` within a flame of heat flux q, and fire spreads along
-/// it at `v = q δ / (σ c (T_ig − T₀))`, where δ is the preheat length, the reach of the flame's foot in that direction
-/// (Markstein and de Ris 1973; Drysdale, *An Introduction to Fire Dynamics*). Heavier fabric burns slower, as 1/σ.
+/// A thin fabric of areal density σ lights after `σ c (T_ig − T₀) / q` in a heat flux q, and fire spreads along it at
+/// `v = q δ / (σ c (T_ig − T₀))`: δ is the preheat length, the way along which the full flux would heat as much as the
+/// flame does (Markstein and de Ris 1973; Drysdale, *An Introduction to Fire Dynamics*). Heavier fabric burns slower,
+/// as 1/σ. The flux falls from q at the foot of the flame to nothing at 2 δ, so that a fire which climbs grows for a
+/// second or two before it is as fast as that.
 ///
-/// Measured are the temperatures of ignition and melting and the specific heats, which scatter among sources; the
-/// preheat lengths of [`Flammability::COTTON`] and [`Flammability::POLYESTER`] follow from the spread that Mathur, Vikas and Kale
-/// measured on hanging panels (*An Experimental Study on Burning of Vertical Cloth Panels*, 2011). Mass loss rates,
-/// shrinkage and afterglow are estimates.
+/// Temperatures of ignition and melting and specific heats are measured, and scatter among sources; the preheat lengths
+/// of [`Flammability::COTTON`] and [`Flammability::POLYESTER`] follow from the spread that Mathur, Vikas and Kale
+/// measured on hanging panels (*An Experimental Study on Burning of Vertical Cloth Panels*, 2011; polyester taken as
+/// 100 g/m²). Mass loss rates, shrinkage and afterglow are estimates.
 #[cfg_attr(feature = "ecs", derive(bevy_reflect::Reflect))]
 #[cfg_attr(feature = "ecs", reflect(Default))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
@@ -23,10 +25,11 @@ pub struct Flammability {
     pub conductivity: f32,
     /// Temperature at which it bursts into flame beside a flame (piloted ignition), K; 400..=1000. Default 623.
     pub ignition: f32,
-    /// Temperature from which it is consumed, in flames or not, K; 380 to [`Flammability::ignition`]. The melting point of a
-    /// thermoplastic, which melts away from heat before it burns; for other fabrics that of ignition. Default 623.
+    /// Temperature from which it is consumed, in flames or not, K; 380 to [`Flammability::ignition`]. The melting point
+    /// of a thermoplastic, which melts away from heat before it burns; for other fabrics that at which they char.
+    /// Default 623.
     pub decomposition: f32,
-    /// Net heat flux of the flame into the cloth over both faces, W/m²; 1000..=1e6. Default 50,000.
+    /// Net heat flux of the flame at its foot into the cloth, over both faces, W/m²; 1000..=1e6. Default 50,000.
     pub heat_flux: f32,
     /// Preheat length along the flame, upward in still air, m; 1e-4..=10. Default 0.12.
     pub reach_up: f32,
@@ -148,11 +151,11 @@ impl Flammability {
     }
 }
 
-/// Fire as a contagion among the edges of a cloth, which knows no heat: a burning edge gathers damage and now and then lights
-/// one of its neighbours, the more often the more it is burnt; fully damaged it breaks.
+/// Fire as a contagion among the edges of a cloth, which knows no heat: a burning edge gathers damage and now and then
+/// lights one of its neighbours, the more often the more it is burnt; fully damaged it breaks.
 ///
-/// Cheap, and ragged by chance. It knows no direction and no fabric, and depends on the mesh: a fire crosses so many edges
-/// a second. [`Flammability`] is the accurate level.
+/// Cheap, and ragged by chance. It knows no direction and no fabric, and depends on the mesh: a fire crosses so many
+/// edges a second. [`Flammability`] is the accurate level.
 #[cfg_attr(feature = "ecs", derive(bevy_reflect::Reflect))]
 #[cfg_attr(feature = "ecs", reflect(Default))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]

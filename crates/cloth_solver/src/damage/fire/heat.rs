@@ -1,7 +1,7 @@
 //! Fire by heat: who heats whom, and when.
 //!
-//! The balance of every particle is advanced in each tick. Who is within whose flame is looked up in turns, an eighth of
-//! the flames in a tick, and at once for what has just burst into flame: flames are many, and fire is slow.
+//! The balance of every particle is advanced in each tick. Who is within whose flame is looked up in turns, an eighth
+//! of the flames in a tick, and at once for what has just burst into flame: flames are many, and fire is slow.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
@@ -21,7 +21,7 @@ use crate::{Fabric, Particles, Soa3, Topology};
 /// Ticks in which every flame is looked up once.
 const TURNS: usize = 8;
 
-/// Rounds for which a flame with nothing to heat does not look round again.
+/// Rounds for which a flame that heats nothing better than others do does not look round again.
 const LOOKS_AWAY: u8 = 3;
 
 /// What a tick needs to know of the cloth and of what is around it.
@@ -181,8 +181,8 @@ impl Heat {
         }
     }
 
-    /// Heats what is within the flame on `slot`; `false` if nothing is. `late` is how long ago the flame burst out, s, if it
-    /// has in this tick.
+    /// Heats what is within the flame on `slot`; `false` if others do so better. `late` is how long ago the flame burst
+    /// out, s, if it has in this tick.
     #[inline(always)]
     fn heat_around<S: Simd>(
         &mut self,
@@ -210,8 +210,8 @@ impl Heat {
         self.heat_cells(simd, at, late, flame, ring) || any
     }
 
-    /// Sends a front, driven by a part of the flux, into the cell of `slot`, which it would cross as a whole. One that is on its
-    /// way is overtaken only if it would arrive later: fronts do not add up.
+    /// Sends a front, driven by a part of the flux, into the cell of `slot`, which it would cross as a whole. One that
+    /// is on its way is overtaken only if it would arrive later: fronts do not add up.
     fn send_front(&mut self, slot: usize, part: f32, late: Option<f32>, state: &State) {
         let heat = self.capacity(slot, state) * (self.fabric.ignition - state.air);
         let Exposure { front, crossed, .. } = &mut self.exposure;
@@ -264,7 +264,8 @@ impl Heat {
             for k in i..points.end.min(i + LANES) {
                 let (part, slot) = (parts[k - i], cells.slot[k]);
                 // A cell of the ring that the flame does not cover is crossed by a front.
-                if part > 0.0 && (ways[k - i] < 1.0 || ring.iter().all(|spoke| spoke.end != slot)) {
+                let beats = part > reach[slot as usize];
+                if beats && (ways[k - i] < 1.0 || ring.iter().all(|spoke| spoke.end != slot)) {
                     expose(exposure, reach, slot as usize, part, late);
                     any = true;
                 }

@@ -1,7 +1,7 @@
 //! Fire: what lights, burns, chars and is gone.
 //!
-//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. It changes no cloth: whoever owns the
-//! cloth reads what has become of each particle and triangle, and takes it over.
+//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. It changes no cloth: whoever
+//! owns the cloth reads what has become of each particle and triangle, and takes it over.
 
 mod balance;
 mod cells;
@@ -114,7 +114,8 @@ impl Fire {
         })
     }
 
-    /// Changes the fabric and how it burns, also while it burns. Another level, or another seed, starts with a sound cloth.
+    /// Changes the fabric and how it burns, also while it burns. Another level, or another seed, starts with a sound
+    /// cloth.
     ///
     /// # Errors
     /// A number out of range; then nothing changes.
@@ -131,8 +132,8 @@ impl Fire {
         Ok(())
     }
 
-    /// Sets alight what is dry and not burnt out within `radius` (m, 0..=1e4) of `centre` (cloth frame), as a match held there
-    /// does; returns how many particles that are.
+    /// Sets alight what is dry and not burnt out within `radius` (m, 0..=1e4) of `centre` (cloth frame), as a match
+    /// held there does; returns how many particles that are.
     ///
     /// # Errors
     /// A number that is not finite or out of range, or `particles` of another cloth; then nothing is lit.
@@ -160,9 +161,9 @@ impl Fire {
         }
     }
 
-    /// Pours `water` (kg/m², 0..=100) on the cloth within `radius` (m, 0..=1e4) of `centre` (cloth frame). By heat, what burns
-    /// there goes out if the water cools it below ignition, and what is left of the water has to boil away before
-    /// anything there lights. By contagion, any water puts out, and stays.
+    /// Pours `water` (kg/m², 0..=100) on the cloth within `radius` (m, 0..=1e4) of `centre` (cloth frame). By heat,
+    /// what burns there goes out if the water cools it below ignition, and what is left of the water has to boil away
+    /// before anything there lights. By contagion, any water puts out, and stays.
     ///
     /// # Errors
     /// A number that is not finite or out of range, or `particles` of another cloth; then nothing changes.
@@ -268,8 +269,8 @@ impl Fire {
         &self.state.stiffness
     }
 
-    /// Rest lengths in parts of the sound ones, 1 to 1 − [`Flammability::shrinkage`]: hot cloth shrinks, and curls where one
-    /// side of a fold is hotter. It never rises.
+    /// Rest lengths in parts of the sound ones, 1 to 1 − [`Flammability::shrinkage`]: hot cloth shrinks, and curls
+    /// where one side of a fold is hotter. It never rises.
     pub fn rest_scale(&self) -> &[f32] {
         &self.state.rest_scale
     }

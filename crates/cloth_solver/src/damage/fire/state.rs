@@ -65,8 +65,8 @@ impl State {
         state
     }
 
-    /// Tells what follows from the fuel and the scorch of the eight slots from `i` on, for a fabric that leaves `char` of its
-    /// mass and shrinks by `shrinkage`.
+    /// Tells what follows from the fuel and the scorch of the eight slots from `i` on, for a fabric that leaves `char`
+    /// of its mass and shrinks by `shrinkage`.
     #[inline(always)]
     pub fn tell<S: Simd>(&mut self, simd: S, i: usize, char: f32, shrinkage: f32) {
         let (one, char) = (splat(simd, 1.0), splat(simd, char));
@@ -110,7 +110,7 @@ impl State {
             extend(array, new, change);
         }
         for slot in change.gone.iter().map(|slot| *slot as usize) {
-            (self.temperature[slot], self.fuel[slot]) = (self.air, 0.0);
+            (self.temperature[slot], self.fuel[slot], self.char[slot]) = (self.air, 0.0, 1.0);
         }
         self.through = change.triangles.iter().map(|before| self.through[*before as usize]).collect();
         self.ignited = Vec::with_capacity(change.slots);

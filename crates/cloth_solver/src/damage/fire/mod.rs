@@ -193,6 +193,8 @@ impl Fire {
         surroundings.validate()?;
         self.check_slots(topology.slots())?;
         self.check_slots(particles.slots())?;
+        same("triangles of the cloth", topology.triangles.len(), self.state.through.len())?;
+        same("edges of the cloth", topology.edges.len(), self.rings.edges())?;
         let state = &mut self.state;
         state.ignited.clear();
         state.burnt_through.clear();
@@ -220,9 +222,7 @@ impl Fire {
     }
 
     fn check_slots(&self, slots: usize) -> Result<(), ClothError> {
-        let own = self.state.fuel.len();
-        let [field, allowed] = ["slots of the cloth", "the number the fire was made for"];
-        if slots == own { Ok(()) } else { Err(ClothError::OutOfRange { field, value: slots as f32, allowed }) }
+        same("slots of the cloth", slots, self.state.fuel.len())
     }
 
     fn check_region(&self, particles: &Particles, centre: Vec3, radius: f32) -> Result<(), ClothError> {
@@ -321,6 +321,12 @@ impl Fire {
     pub fn flaming(&self) -> usize {
         self.state.flaming
     }
+}
+
+/// Refuses a cloth that has another number of something than the fire was made for or has followed.
+fn same(field: &'static str, found: usize, own: usize) -> Result<(), ClothError> {
+    let allowed = "the number the fire was made for, or has followed";
+    if found == own { Ok(()) } else { Err(ClothError::OutOfRange { field, value: found as f32, allowed }) }
 }
 
 /// The slots within `radius` of `centre`.

@@ -40,6 +40,11 @@ impl Rings {
         Self { start, spokes }
     }
 
+    /// Number of edges.
+    pub fn edges(&self) -> usize {
+        self.spokes.len() / 2
+    }
+
     /// The edges around `slot`; none if there is no such slot.
     pub fn around(&self, slot: usize) -> &[Spoke] {
         match self.start.get(slot..slot + 2) {

@@ -3,7 +3,7 @@
 use bevy::gizmos::transform_gizmo::{TransformGizmoMode, TransformGizmoSettings};
 use bevy::input::InputSystems;
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, ResetCloth, Shared};
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Fan, ResetCloth, Shared};
 use bevy_cloth_inspector::{InspectorOpen, Selected};
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
@@ -19,6 +19,7 @@ enum Action {
     Step,
     Reset,
     Coloring,
+    Fans,
     Inspector,
     Move,
     Turn,
@@ -26,12 +27,13 @@ enum Action {
 }
 
 /// Every key: code, name and meaning.
-const BINDINGS: [(KeyCode, &str, &str, Action); 9] = [
+const BINDINGS: [(KeyCode, &str, &str, Action); 10] = [
     (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
     (KeyCode::Space, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
     (KeyCode::KeyR, "R", "reset all cloth", Action::Reset),
     (KeyCode::KeyC, "C", "colour by material or stress", Action::Coloring),
+    (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
     (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
     (KeyCode::KeyE, "E", "handles turn the selected object: take a ring at its wide end", Action::Turn),
@@ -89,6 +91,7 @@ fn act(
     mut inspector: ResMut<InspectorOpen>,
     mut selected: ResMut<Selected>,
     clothes: Query<Entity, With<Cloth>>,
+    mut fans: Query<&mut Fan>,
 ) {
     for (_, _, _, action) in BINDINGS.iter().filter(|(key, ..)| keys.just_pressed(*key)) {
         match action {
@@ -105,6 +108,10 @@ fn act(
                     ClothColoring::Material => ClothColoring::Stress,
                     ClothColoring::Stress => ClothColoring::Material,
                 }
+            }
+            Action::Fans => {
+                let on = !fans.iter().any(|fan| fan.on);
+                fans.iter_mut().for_each(|mut fan| fan.on = on);
             }
             Action::Inspector => inspector.0 = !inspector.0,
             Action::Move => gizmo.mode = TransformGizmoMode::Translate,

@@ -2,6 +2,7 @@
 
 mod camera;
 mod cli;
+mod fans;
 mod help;
 mod keys;
 mod look;
@@ -37,6 +38,7 @@ fn main() -> AppExit {
         camera::CameraPlugin,
         look::LookPlugin,
         shapes::ShapesPlugin,
+        fans::FansPlugin,
         scenes::ScenesPlugin { options },
     ));
     app.run()

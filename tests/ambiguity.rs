@@ -19,6 +19,7 @@ fn run_strictly(app: &mut App, schedules: &[InternedScheduleLabel]) {
         .spawn((Cloth::rectangle(0.5, 0.5), Pins::rods(2), Grabs::default(), ClothStats::default()))
         .insert((Weights::one(PinSelect::Corners, 0.1), Air::default(), Wind(Vec3::X)));
     app.world_mut().spawn(ClothCollider::Ground);
+    app.world_mut().spawn((Fan::default(), WindZone::default()));
     run(app, 3);
 }
 

@@ -5,7 +5,7 @@ use cloth_scene::Scene as SceneFile;
 /// What can be opened with `--scene`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scene {
-    /// A curtain on a rod, with a sphere, a pyramid and a capsule to push through it.
+    /// A curtain on a rod, with a sphere, a pyramid and a capsule to push through it, and a fan.
     Sandbox,
     /// A scene file.
     File(Box<SceneFile>),

@@ -5,7 +5,7 @@ use bevy_cloth::cloth_solver::{Pose, measure};
 use bevy_cloth::{
     Cloth, ClothCollider, ColliderFriction, Gravity, Method, PinSelect, Pins, Shared, Substeps, Weight, Weights, Wind,
 };
-use cloth_scene::{Scene, SceneCloth, SceneCollider, ScenePins, SceneShape, World as ScenePlay};
+use cloth_scene::{Scene, SceneCloth, SceneCollider, SceneFan, ScenePins, SceneShape, SceneZone, World as ScenePlay};
 
 use super::curtain_rod;
 use super::stage::{glossy, matte, spawn_ground};
@@ -48,6 +48,7 @@ pub fn configure(app: &mut App, scene: &Scene) {
         .insert_resource(Shared(scene.method))
         .insert_resource(Shared(Gravity(scene.gravity)))
         .insert_resource(Shared(Wind(scene.wind)))
+        .insert_resource(Shared(scene.gusts))
         .insert_resource(SceneFile(Box::new(scene.clone())));
 }
 
@@ -83,6 +84,12 @@ pub fn spawn(
         if let Some(friction) = collider.friction {
             commands.entity(entity).insert(ColliderFriction(friction));
         }
+    }
+    for (index, SceneFan { name, fan, place }) in scene.fans.iter().enumerate() {
+        commands.spawn((named(name, "fan", index), next(), *fan, transform(&place.pose())));
+    }
+    for (index, SceneZone { name, zone, place }) in scene.zones.iter().enumerate() {
+        commands.spawn((named(name, "wind zone", index), next(), *zone, transform(&place.pose())));
     }
     // A scene that says nothing of the ground is shown over some, well below what happens in it.
     if !scene.colliders.iter().any(|collider| collider.shape == SceneShape::Ground) {
@@ -170,6 +177,9 @@ fn bounds(scene: &Scene) -> (Vec3, Vec3) {
         if let Some(half) = half {
             (low, high) = (low.min(at - half), high.max(at + half));
         }
+    }
+    for SceneFan { fan, place, .. } in &scene.fans {
+        (low, high) = (low.min(place.at - fan.diameter / 2.0), high.max(place.at + fan.diameter / 2.0));
     }
     if let Ok(mut play) = ScenePlay::new(&coarse) {
         for _ in 0..=(seconds.min(scene.seconds) * coarse.rate) as u32 {

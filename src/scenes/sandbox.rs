@@ -1,7 +1,7 @@
-//! The sandbox: a curtain on a rod, ground, and three things to push through the curtain.
+//! The sandbox: a curtain on a rod, ground, three things to push through the curtain, and a fan to blow at it.
 
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothCollider, Fabric, Pins};
+use bevy_cloth::{Air, Cloth, ClothCollider, Fabric, Fan, Pins};
 
 use super::curtain_rod;
 use super::stage::{glossy, matte, spawn_ground};
@@ -14,6 +14,9 @@ const CURTAIN: Vec2 = Vec2::new(2.0, 1.8);
 const RODS: u32 = 6;
 /// Height of the rod above the ground, m.
 const ROD_HEIGHT: f32 = 2.15;
+
+/// The middle of the fan's outlet, m.
+const FAN: Vec3 = Vec3::new(-1.4, 1.1, 1.05);
 
 /// Spawns the scene.
 pub fn spawn(
@@ -31,6 +34,7 @@ pub fn spawn(
         Cloth::rectangle(CURTAIN.x, CURTAIN.y),
         Fabric::VELVET_CURTAIN,
         Pins::rods(RODS),
+        Air::default(),
         MeshMaterial3d(velvet),
     );
     let rod = curtain_rod::spawn(&mut commands, Transform::from_xyz(0.0, ROD_HEIGHT, 0.0), curtain);
@@ -61,4 +65,10 @@ pub fn spawn(
         Color::srgb(0.24, 0.30, 0.55),
         Transform::from_xyz(1.05, 0.46, 0.45),
     );
+    commands.spawn((
+        Name::new("fan"),
+        Selectable(6),
+        Fan { on: false, ..default() },
+        Transform::from_translation(FAN).looking_at(Vec3::new(0.1, 1.05, 0.0), Vec3::Y),
+    ));
 }

@@ -1,18 +1,20 @@
-//! The wind, and what the air does to cloth.
+//! The wind and its gusts, and what the air does to cloth.
 
 use bevy::prelude::*;
-use cloth_solver::forces::Air;
+use cloth_solver::contact::Contacts;
+use cloth_solver::forces::{Air, Gusts, GustyWind, WindField};
 use cloth_solver::{ClothError, Particles};
 
 use crate::cloth::{ClothFrame, ClothTopology};
-use crate::prepare::StepPlan;
+use crate::prepare::{StepPlan, WindSources, relative};
 use crate::settings::Shared;
 use crate::step::ClothTick;
 
 /// Velocity of the air, the same everywhere, in world axes, m/s; each axis −1,000,000 to 1,000,000. Default 0: calm.
 ///
 /// A component on a cloth overrides the resource [`Shared<Wind>`]. Only a cloth with the component [`Air`] feels it, and
-/// it feels calm air, too.
+/// it feels calm air, too. [`Gusts`] make it uneven; each [`WindZone`](crate::WindZone) and [`Fan`](crate::Fan) comes on
+/// top.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct Wind(pub Vec3);
@@ -24,24 +26,88 @@ impl Wind {
     }
 }
 
-/// Lets the air act on every cloth that has [`Air`].
-pub(crate) fn blow(
-    mut cloths: Query<(&mut Particles, &ClothTopology, &ClothFrame, &Air, Option<&Wind>, &StepPlan)>,
-    shared: Res<Shared<Wind>>,
-    tick: Res<ClothTick>,
+/// The air around one cloth that has [`Air`].
+#[derive(Component, Clone, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Surroundings {
+    /// The wind, where the cloth has one of its own.
+    own: GustyWind,
+    field: WindField,
+}
+
+/// The wind that all cloths without one of their own share, as it goes by.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct SharedWind(GustyWind);
+
+/// Gives every running cloth that has [`Air`] a place to keep it.
+pub(crate) fn build(
+    cloths: Query<Entity, (With<Air>, With<Particles>, Without<Surroundings>)>,
+    mut commands: Commands,
 ) {
-    for (mut particles, topology, frame, air, wind, plan) in &mut cloths {
-        if plan.substeps > 0 && !tick.still {
-            // Velocities are those in the world, along the axes of the cloth's frame: how that moves does not matter.
-            let wind = frame.pose.rotation.conjugate() * wind.unwrap_or(&shared).0;
-            air.blow(&topology.0, &mut particles, tick.dt, |_| wind);
+    for entity in &cloths {
+        commands.entity(entity).try_insert(Surroundings::default());
+    }
+}
+
+/// Finds how the air moves at every particle of the cloths that have [`Air`].
+pub(crate) fn sample(
+    mut cloths: Query<
+        (
+            &mut Particles,
+            &mut Surroundings,
+            &ClothTopology,
+            &ClothFrame,
+            &Contacts,
+            Option<&Wind>,
+            Option<&Gusts>,
+            &StepPlan,
+        ),
+        With<Air>,
+    >,
+    (wind, gusts): (Res<Shared<Wind>>, Res<Shared<Gusts>>),
+    sources: Res<WindSources>,
+    tick: Res<ClothTick>,
+    mut shared: ResMut<SharedWind>,
+) {
+    if tick.still {
+        return;
+    }
+    // What is refused must not stay in the sum of all that has blown.
+    if wind.validate().and(gusts.validate()).is_ok() {
+        shared.0.advance(wind.0.0, &gusts.0, tick.dt);
+    }
+    for (mut particles, mut around, topology, frame, contacts, own_wind, own_gusts, plan) in &mut cloths {
+        if plan.substeps == 0 {
+            continue;
+        }
+        // Velocities are those in the world, along the axes of the cloth's frame: how that moves does not matter.
+        let Surroundings { own, field } = &mut *around;
+        if own_wind.is_some() || own_gusts.is_some() {
+            own.advance(own_wind.unwrap_or(&wind).0, own_gusts.unwrap_or(&gusts), tick.dt);
+            field.set_wind(own, &frame.pose);
+        } else {
+            field.set_wind(&shared.0, &frame.pose);
+        }
+        field.set_zones(sources.zones.iter().map(|(_, zone, pose)| (*zone, relative(&frame.pose, pose))));
+        let fans = sources.fans.iter().map(|(_, fan, pose)| (*fan, relative(&frame.pose, pose)));
+        field.set_fans(fans, &contacts.colliders);
+        field.sample(topology, &mut particles);
+    }
+}
+
+/// Lets the air act on every cloth that has [`Air`].
+pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan)>, tick: Res<ClothTick>) {
+    for (mut particles, topology, air, plan) in &mut cloths {
+        if let Some(sub) = plan.substep(&tick) {
+            air.blow(topology, &mut particles, &sub);
         }
     }
 }
 
-/// Takes the memory of the air's forces off a cloth that has no [`Air`] any more.
-pub(crate) fn on_air_removed(removed: On<Remove, Air>, mut cloths: Query<&mut Particles>) {
+/// Takes the air off a cloth that has no [`Air`] any more.
+pub(crate) fn on_air_removed(removed: On<Remove, Air>, mut cloths: Query<&mut Particles>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<Surroundings>();
     if let Ok(mut particles) = cloths.get_mut(removed.entity) {
-        particles.force = None;
+        particles.airflow = None;
     }
 }

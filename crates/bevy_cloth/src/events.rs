@@ -27,6 +27,19 @@ pub struct ColliderRejected {
     pub error: ClothError,
 }
 
+/// Authored data of a [`Fan`](crate::Fan) or a [`WindZone`](crate::WindZone) was refused. If a value is out of range it
+/// does not blow until that changes to something allowed; if its transform is not finite it blows from where it was last.
+/// Told, and logged, once for each change.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Debug, PartialEq)]
+pub struct WindRejected {
+    /// The fan or the zone.
+    pub entity: Entity,
+    /// The field, the value found and the values allowed.
+    pub error: ClothError,
+}
+
 /// A number of a running cloth had become NaN or infinite. The cloth is back in its last finite shape with zero
 /// velocity and runs on; nothing else was touched.
 ///

@@ -3,7 +3,8 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
-//! - [Settings](#settings): [`Gravity`], [`Air`], [`Wind`], [`Substeps`], [`Method`], [`Shared`]
+//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Shared`]
+//! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
@@ -35,9 +36,14 @@
 //!
 //! # Settings
 //! [`Gravity`], [`Substeps`] and [`Method`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and so on; as
-//! a component each overrides the shared value for one cloth. The same holds for [`Wind`], which a cloth with the
-//! component [`Air`] feels; without it no air acts, and none is computed. The default method suits games; the others are
-//! there to be compared, and those that step forces want stiff fabric in very many substeps.
+//! a component each overrides the shared value for one cloth. The default method suits games; the others are there to be
+//! compared, and those that step forces want stiff fabric in very many substeps.
+//!
+//! # Air
+//! A cloth with the component [`Air`] feels the air around it; without it none acts, and none is computed. [`Wind`] and its
+//! [`Gusts`] are settings as above. A [`WindZone`] is an entity in which it blows otherwise, a [`Fan`] one that blows a jet,
+//! which colliders shadow; both are placed by their [`Transform`](bevy::prelude::Transform), whose scale they take no notice
+//! of, and everything adds up.
 //!
 //! # Time
 //! [`Time<ClothClock>`](ClothClock) is paused, slowed and stepped through the trait [`ClothTime`]. It advances in
@@ -51,10 +57,10 @@
 //! [`Contacts`](cloth_solver::contact::Contacts), [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
 //!
 //! # What is told
-//! Wrong data never panics and never stops the rest of the world: [`ClothRejected`] and [`ColliderRejected`] name the
-//! entity, the field, the value and what is allowed. A number that is not finite at run time puts that one cloth back
-//! to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a line in the log.
-//! Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
+//! Wrong data never panics and never stops the rest of the world: [`ClothRejected`], [`ColliderRejected`] and
+//! [`WindRejected`] name the entity, the field, the value and what is allowed. A number that is not finite at run time
+//! puts that one cloth back to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a
+//! line in the log. Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
 //!
 //! # Drawing
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
@@ -93,11 +99,11 @@ mod step;
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
-pub use cloth_solver::forces::Air;
+pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
 pub use diagnostics::ClothDiagnosticsPlugin;
-pub use events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, ResetCloth};
+pub use events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, ResetCloth, WindRejected};
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};

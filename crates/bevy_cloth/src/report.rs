@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected};
+use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, WindRejected};
 
 /// What can be told.
 pub(crate) trait Report: EntityEvent + Message + Clone + for<'a> Event<Trigger<'a>: Default> {
@@ -19,6 +19,12 @@ impl Report for ClothRejected {
 impl Report for ColliderRejected {
     fn log(&self, name: &str) {
         warn!("collider {name} was refused: {}", self.error);
+    }
+}
+
+impl Report for WindRejected {
+    fn log(&self, name: &str) {
+        warn!("fan or wind zone {name} was refused: {}", self.error);
     }
 }
 

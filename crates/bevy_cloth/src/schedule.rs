@@ -8,13 +8,13 @@ use crate::air::Wind;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
-use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected};
+use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, WindRejected};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, Method, fault, prepare, stats, step};
+use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, fault, prepare, stats, step};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -65,14 +65,14 @@ pub enum ClothSystems {
     Build,
     /// Advances the clock and runs [`ClothSchedule`]. In the plugin's schedule; order a physics engine before it.
     Advance,
-    /// Brings frames, pins, grabs and colliders up to this tick. In [`ClothSchedule`].
+    /// Brings frames, pins, grabs, colliders, fans and wind zones up to this tick. In [`ClothSchedule`].
     Prepare,
-    /// Sets the accelerations and forces of this tick. Systems that push cloth
+    /// Sets the accelerations and forces of this tick, and finds how the air moves. Systems that push cloth
     /// ([`Particles::add_force`](crate::Particles::add_force)) go here. In [`ClothSchedule`].
     Forces,
     /// Runs [`ClothSubstepSchedule`]. In [`ClothSchedule`].
     Substep,
-    /// Predicts positions. In [`ClothSubstepSchedule`].
+    /// Lets the air act and predicts positions. In [`ClothSubstepSchedule`].
     Integrate,
     /// Solves the constraints. In [`ClothSubstepSchedule`].
     Solve,
@@ -105,8 +105,10 @@ impl Plugin for ClothPlugin {
             .init_resource::<Shared<Substeps>>()
             .init_resource::<Shared<Method>>()
             .init_resource::<Shared<Wind>>()
+            .init_resource::<Shared<Gusts>>()
             .add_message::<ClothRejected>()
             .add_message::<ColliderRejected>()
+            .add_message::<WindRejected>()
             .add_message::<ClothRecovered>()
             .add_message::<ClothReset>();
         register_types(app);
@@ -135,7 +137,11 @@ fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
         .add_systems(ClothSchedule, (fault::mend, stats::measure).chain().in_set(Writeback))
         .add_systems(
             ClothSubstepSchedule,
-            (step::integrate.in_set(Integrate), step::solve.in_set(Solve), step::collide.in_set(Collide)),
+            (
+                (air::blow, step::integrate).chain().in_set(Integrate),
+                step::solve.in_set(Solve),
+                step::collide.in_set(Collide),
+            ),
         )
         .configure_sets(PostUpdate, Draw.after(TransformSystems::Propagate))
         .add_systems(PostUpdate, clock::interpolate.in_set(Draw));
@@ -153,6 +159,13 @@ fn register_types(app: &mut App) {
         .register_type_data::<Air, ReflectDefault>()
         .register_type::<Wind>()
         .register_type::<Shared<Wind>>()
+        .register_type::<Gusts>()
+        .register_type_data::<Gusts, ReflectComponent>()
+        .register_type::<Shared<Gusts>>()
+        .register_type::<Fan>()
+        .register_type_data::<Fan, ReflectComponent>()
+        .register_type::<WindZone>()
+        .register_type_data::<WindZone, ReflectComponent>()
         .register_type::<ClothCollider>()
         .register_type::<ColliderFriction>()
         .register_type::<Gravity>()

@@ -65,6 +65,7 @@ pub(crate) fn hold_still(mut cloths: Query<(&mut Particles, &StepPlan)>, tick: R
     for (mut particles, plan) in &mut cloths {
         if tick.still && plan.substeps > 0 {
             particles.velocity.fill(Vec3::ZERO);
+            particles.airflow = None;
             clear_forces(&mut particles);
         }
     }

@@ -21,6 +21,7 @@
 //! |---|---|
 //! | `panel` | the side panel and the order of its sections |
 //! | `world` | clock, gravity, method, substeps, colouring |
+//! | `air` | wind, gusts, the selected wind zone, the selected fan |
 //! | `cloth` | size, resolution, rods |
 //! | `fabric` | preset and every value of the fabric |
 //! | `object` | shape, size, place and rotation of the selected object |
@@ -28,6 +29,7 @@
 //! | `outline` | lines around the selected object |
 //! | `silhouette` | where a mesh ends for the eye |
 
+mod air;
 mod cloth;
 mod fabric;
 mod object;
@@ -42,7 +44,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_inspector_egui::DefaultInspectorConfigPlugin;
 
-pub use outline::SelectionGizmos;
+pub use outline::{NoOutline, SelectionGizmos};
 
 /// The entity that is selected, if any. Write it from your own picking.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,25 +2,27 @@
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
-use bevy_cloth::{ClothCollider, ColliderFriction, ColliderRejected};
+use bevy_cloth::{ClothCollider, ColliderFriction, ColliderRejected, Fan, WindRejected, WindZone};
 use bevy_egui::egui;
 use bevy_inspector_egui::bevy_inspector;
 
 use crate::Selected;
 use crate::widgets::{self, Unit};
 
-/// What was refused of each collider, until it changes.
+/// What was refused of each collider, fan and wind zone, until it changes.
 #[derive(Resource, Default)]
 pub struct Refusals(EntityHashMap<String>);
 
 /// Keeps [`Refusals`].
 pub fn note_refusals(
     mut refusals: ResMut<Refusals>,
-    mut rejected: MessageReader<ColliderRejected>,
-    changed: Query<Entity, Or<(Changed<ClothCollider>, Changed<GlobalTransform>)>>,
+    mut colliders: MessageReader<ColliderRejected>,
+    mut winds: MessageReader<WindRejected>,
+    changed: Query<Entity, Or<(Changed<ClothCollider>, Changed<Fan>, Changed<WindZone>, Changed<GlobalTransform>)>>,
 ) {
     refusals.0.retain(|entity, _| !changed.contains(*entity));
-    refusals.0.extend(rejected.read().map(|message| (message.entity, message.error.to_string())));
+    refusals.0.extend(colliders.read().map(|message| (message.entity, message.error.to_string())));
+    refusals.0.extend(winds.read().map(|message| (message.entity, message.error.to_string())));
 }
 
 /// Shows the selected object.

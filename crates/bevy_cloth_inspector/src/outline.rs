@@ -19,13 +19,19 @@ const WIDTH: f32 = 4.0;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct SelectionGizmos;
 
+/// Leaves the mesh of its entity out of the outline: for what is so fine that its outline would cover it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default)]
+pub struct NoOutline;
+
 /// Draws the outline.
 pub struct OutlinePlugin;
 
 impl Plugin for OutlinePlugin {
     fn build(&self, app: &mut App) {
         let config = GizmoConfig { line: GizmoLineConfig { width: WIDTH, ..default() }, depth_bias: -1.0, ..default() };
-        app.insert_gizmo_config(SelectionGizmos, config)
+        app.register_type::<NoOutline>()
+            .insert_gizmo_config(SelectionGizmos, config)
             .add_systems(PostUpdate, draw.after(TransformSystems::Propagate).after(ClothSystems::Draw));
     }
 }
@@ -40,7 +46,7 @@ fn draw(
     mut cache: Local<EdgeCache>,
     selected: Res<Selected>,
     meshes: Res<Assets<Mesh>>,
-    shown: Query<(&Mesh3d, &GlobalTransform, Has<Cloth>)>,
+    shown: Query<(&Mesh3d, &GlobalTransform, Has<Cloth>), Without<NoOutline>>,
     children: Query<&Children>,
     cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
 ) {

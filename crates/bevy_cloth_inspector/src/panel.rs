@@ -1,10 +1,10 @@
 //! The side panel: which sections it has, and which cloth it shows.
 
 use bevy::prelude::*;
-use bevy_cloth::Cloth;
+use bevy_cloth::{Cloth, Fan};
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
-use crate::{InspectorOpen, PanelWidth, Selected, cloth, fabric, object, statistics, world};
+use crate::{InspectorOpen, PanelWidth, Selected, air, cloth, fabric, object, statistics, world};
 
 /// Width of the panel, logical pixels.
 const WIDTH: f32 = 310.0;
@@ -42,6 +42,10 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
         section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
         section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
     }
+    if let Some(fan) = air::selected_with::<Fan>(world) {
+        section(ui, "Fan", true, |ui| air::fan(ui, world, fan));
+    }
+    section(ui, "Wind", true, |ui| air::wind(ui, world, cloth));
     section(ui, "World", true, |ui| world::settings(ui, world, cloth));
     section(ui, "Statistics", true, |ui| statistics::show(ui, world, cloth));
 }

@@ -101,7 +101,7 @@ fn label(method: Method) -> &'static str {
 }
 
 /// Edits the component of `cloth` if it has one, else the resource shared by all.
-fn edit_own_or_shared<C>(world: &mut World, cloth: Option<Entity>, change: impl FnOnce(&mut C))
+pub fn edit_own_or_shared<C>(world: &mut World, cloth: Option<Entity>, change: impl FnOnce(&mut C))
 where
     C: Component<Mutability = bevy::ecs::component::Mutable> + Clone + PartialEq + Default + std::fmt::Debug,
     Shared<C>: Resource<Mutability = bevy::ecs::component::Mutable>,

@@ -1,7 +1,8 @@
 //! What the ECS adds to the solver: `cargo bench -p cloth_lab --bench ecs`.
 //!
 //! One cloth of 1024 particles, 10 substeps, hung by its top edge. `solver` is [`Cloth::step`] alone; `ecs` the plugin's
-//! whole schedule for one tick: changes noticed, frames, pins, forces, substeps, faults.
+//! whole schedule for one tick: changes noticed, frames, pins, forces, substeps, faults. `no plugin` is what Bevy takes
+//! to run that schedule with nothing in it, and not the plugin's doing.
 
 use std::sync::Arc;
 
@@ -27,15 +28,15 @@ fn solver(criterion: &mut Criterion) {
     });
 }
 
-fn ecs(criterion: &mut Criterion) {
+fn ecs(criterion: &mut Criterion, name: &str, prepare: impl FnOnce(&mut App)) {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, ClothPlugin::default()));
-    app.world_mut().spawn((ClothComponent::rectangle(1.0, 1.0).with_cells(SIDE - 1, SIDE - 1), ClothPins::top()));
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    prepare(&mut app);
     app.finish();
     app.cleanup();
     app.update();
     let timestep = app.world().resource::<Time<Fixed>>().timestep();
-    criterion.bench_function("1024 particles/ecs", |bencher| {
+    criterion.bench_function(name, |bencher| {
         bencher.iter(|| {
             app.world_mut().resource_mut::<Time>().advance_by(timestep);
             app.world_mut().run_schedule(FixedPostUpdate);
@@ -43,5 +44,19 @@ fn ecs(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, solver, ecs);
+fn one_cloth(criterion: &mut Criterion) {
+    ecs(criterion, "1024 particles/ecs", |app| {
+        app.add_plugins(ClothPlugin::default());
+        app.world_mut().spawn((ClothComponent::rectangle(1.0, 1.0).with_cells(SIDE - 1, SIDE - 1), ClothPins::top()));
+    });
+}
+
+fn no_cloth(criterion: &mut Criterion) {
+    ecs(criterion, "no cloth/ecs", |app| {
+        app.add_plugins(ClothPlugin::default());
+    });
+    ecs(criterion, "no plugin/ecs", |_| ());
+}
+
+criterion_group!(benches, solver, one_cloth, no_cloth);
 criterion_main!(benches);

@@ -41,6 +41,22 @@ pub enum SceneError {
         /// Field, value and range.
         error: ClothError,
     },
+    /// A value of a fan is out of range.
+    #[error("fan {fan}: {error}")]
+    Fan {
+        /// Which fan of the scene, from 0.
+        fan: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
+    /// A value of a wind zone is out of range.
+    #[error("zone {zone}: {error}")]
+    Zone {
+        /// Which zone of the scene, from 0.
+        zone: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
     /// A value of the scene itself is out of range.
     #[error(transparent)]
     World(#[from] ClothError),

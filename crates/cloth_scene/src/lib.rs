@@ -3,10 +3,12 @@
 //! One file says what hangs where, what it is made of, what it meets and how it is advanced: see [`Scene`]. The demo
 //! spawns it as entities, the lab plays it in a [`World`].
 
+mod air;
 mod error;
 mod scene;
 mod world;
 
+pub use air::{SceneFan, SceneZone};
 pub use error::SceneError;
 pub use scene::{Scene, SceneCloth, SceneCollider, SceneFabric, ScenePins, ScenePlace, SceneShape, SceneWeight};
 pub use world::World;

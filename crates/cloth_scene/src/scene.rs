@@ -1,14 +1,14 @@
 //! What a scene file says.
 
-use cloth_solver::forces::Air;
+use cloth_solver::forces::{Air, Gusts};
 use cloth_solver::method::Method;
 use cloth_solver::{ClothError, Fabric, Pose};
 use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
+use crate::{SceneError, SceneFan, SceneZone};
 
-/// A scene: cloths, colliders, gravity, wind, and how it is advanced. Every field may be left out, none may be unknown.
+/// A scene: cloths, colliders, gravity, air and what moves it, and how it is advanced. Every field may be left out, none may be unknown.
 ///
 /// Units are SI, y is up. `Some(…)` may be left out around the value of an optional field.
 ///
@@ -17,7 +17,7 @@ use crate::SceneError;
 ///     r#"(
 ///         title: "A towel in the wind",
 ///         seconds: 4,
-///         wind: (3, 0, 1),
+///         wind: (3, 0, 1), gusts: (intensity: 0.15),
 ///         air: (),                                    // dry air at sea level; left out, no air acts
 ///         cloths: [(
 ///             size: (0.5, 1), cells: (10, 20),
@@ -26,6 +26,7 @@ use crate::SceneError;
 ///             weights: [(at: (1, 1), mass: 0.05)],    // 50 g on the lower right corner
 ///             place: (at: (0, 1.6, 0), turn: (0, 30, 0)),
 ///         )],
+///         fans: [(fan: (speed: 4), place: (at: (0, 1.6, 2)))],
 ///         colliders: [(name: "post", shape: Capsule(radius: 0.05, length: 2), place: (at: (0.6, 1, 0)))],
 ///     )"#,
 /// )?;
@@ -48,6 +49,12 @@ pub struct Scene {
     pub air: Option<Air>,
     /// Velocity of the air, m/s. Default 0.
     pub wind: Vec3,
+    /// How gusty it is. Default: not at all.
+    pub gusts: Gusts,
+    /// Regions with a wind of their own, on top of it.
+    pub zones: Vec<SceneZone>,
+    /// Fans, on top of it.
+    pub fans: Vec<SceneFan>,
     /// Length of a tick, as ticks per second, Hz; 1..=10000. Default 60.
     pub rate: f32,
     /// The method. Default [`Method::default`].
@@ -71,6 +78,9 @@ impl Default for Scene {
             gravity: Vec3::new(0.0, -9.81, 0.0),
             air: None,
             wind: Vec3::ZERO,
+            gusts: Gusts::default(),
+            zones: Vec::new(),
+            fans: Vec::new(),
             rate: 60.0,
             method: Method::default(),
             substeps: 10,
@@ -264,6 +274,15 @@ impl Scene {
         }
         if let Some(air) = &self.air {
             air.validate()?;
+        }
+        self.gusts.validate()?;
+        for (zone, spec) in self.zones.iter().enumerate() {
+            let of_zone = |error| SceneError::Zone { zone, error };
+            spec.zone.validate().and_then(|()| spec.place.validate("SceneZone::place")).map_err(of_zone)?;
+        }
+        for (fan, spec) in self.fans.iter().enumerate() {
+            let of_fan = |error| SceneError::Fan { fan, error };
+            spec.fan.validate().and_then(|()| spec.place.validate("SceneFan::place")).map_err(of_fan)?;
         }
         for (cloth, spec) in self.cloths.iter().enumerate() {
             spec.place.validate("SceneCloth::place").map_err(|error| SceneError::Cloth { cloth, error })?;

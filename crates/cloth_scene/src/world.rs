@@ -4,22 +4,27 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::forces::GustyWind;
 use cloth_solver::topology::Resolution;
 use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
-use crate::scene::{SceneCloth, SceneCollider, ScenePins, SceneShape, SceneWeight};
+use crate::scene::{SceneCloth, SceneCollider, ScenePins, ScenePlace, SceneShape, SceneWeight};
 use crate::{Scene, SceneError};
 
 /// The cloths of a scene, each in its own frame (the scene's [`place`](SceneCloth::place)).
 #[derive(Clone, Debug)]
 pub struct World {
-    /// What it was built from. Air, wind, gravity, rate, substeps and iterations may be changed while it runs.
+    /// What it was built from. Air and all that moves it, gravity, rate, substeps and iterations may be changed while it
+    /// runs.
     pub scene: Scene,
     /// The cloths.
     pub cloths: Vec<Cloth>,
     /// Their frames.
     pub frames: Vec<Pose>,
+    wind: GustyWind,
+    /// s.
+    elapsed: f64,
 }
 
 impl World {
@@ -33,23 +38,25 @@ impl World {
         for (index, (spec, frame)) in scene.cloths.iter().zip(&frames).enumerate() {
             cloths.push(build(index, spec, frame, scene)?);
         }
-        Ok(Self { scene: scene.clone(), cloths, frames })
+        Ok(Self { scene: scene.clone(), cloths, frames, wind: GustyWind::default(), elapsed: 0.0 })
     }
 
     /// Advances by one tick of `1/rate` seconds.
     pub fn tick(&mut self) {
         let scene = &self.scene;
         let tick = Tick { dt: 1.0 / scene.rate, substeps: scene.substeps, iterations: scene.iterations };
+        self.elapsed += f64::from(tick.dt);
+        self.wind.advance(scene.wind, &scene.gusts, tick.dt);
         for (cloth, frame) in self.cloths.iter_mut().zip(&self.frames) {
-            let turn = frame.rotation.conjugate();
-            if let Some(force) = &mut cloth.particles.force {
-                force.fill(Vec3::ZERO);
+            cloth.air = scene.air;
+            if scene.air.is_some() {
+                let seen = |place: &ScenePlace| frame.inverse_pose(&place.pose());
+                cloth.wind.set_wind(&self.wind, frame);
+                cloth.wind.set_zones(scene.zones.iter().map(|spec| (spec.zone, seen(&spec.place))));
+                let fans = scene.fans.iter().map(|spec| (spec.fan, spec.fan.turned(seen(&spec.place), self.elapsed)));
+                cloth.wind.set_fans(fans, &cloth.contacts.colliders);
             }
-            if let Some(air) = &scene.air {
-                let wind = turn * scene.wind;
-                air.blow(&cloth.topology, &mut cloth.particles, tick.dt, |_| wind);
-            }
-            cloth.step(tick, turn * scene.gravity);
+            cloth.step(tick, frame.rotation.conjugate() * scene.gravity);
         }
     }
 

@@ -23,7 +23,10 @@ fn an_empty_scene_is_the_default_one() {
 #[test]
 fn a_scene_written_out_reads_back_the_same() {
     let scene = scene(
-        r#"(title: "t", about: "a", seconds: 2, gravity: (0, -1.6, 0), air: (density: 2), wind: (1, 2, 3), rate: 90,
+        r#"(title: "t", about: "a", seconds: 2, gravity: (0, -1.6, 0), air: (density: 2), wind: (1, 2, 3),
+            gusts: (intensity: 0.1, length: 3, seed: 18446744073709551615), rate: 90,
+            zones: [(name: "z", zone: (shape: Cuboid(size: (1, 2, 3)), velocity: (0, 1, 0), falloff: 0.1)), ()],
+            fans: [(name: "f", fan: (on: false, speed: 3, oscillation: (angle: 1)), place: (at: (1, 1, 1))), ()],
             method: XpbdSweeps, substeps: 4, iterations: 7,
             cloths: [(name: "c", size: (2, 1), cells: (4, 3), fabric: Custom((areal_density: 0.3)), damping: 0.25,
                       pins: [Top, Corners, Rods(3), Left], weights: [(at: (0.5, 1), mass: 0.01)],
@@ -84,6 +87,11 @@ fn what_is_out_of_range_is_refused_by_cloth_field_value_and_range() {
         ("(substeps: 0)".into(), "`Scene::substeps` is 0, allowed is 1..=10,000"),
         ("(gravity: (0, inf, 0))".into(), "`Scene::gravity` is inf"),
         ("(air: (porosity: 2))".into(), "`Air::porosity` is 2, allowed is 0..=1"),
+        ("(gusts: (intensity: 3))".into(), "`Gusts::intensity` is 3, allowed is 0..=2"),
+        ("(fans: [(), (fan: (diameter: 0))])".into(), "fan 1: `Fan::diameter` is 0, allowed is 0.01..=100 m"),
+        ("(fans: [(place: (at: (NaN, 0, 0)))])".into(), "fan 0: `SceneFan::place` is NaN"),
+        ("(zones: [(zone: (falloff: -1))])".into(), "zone 0: `WindZone::falloff` is -1"),
+        ("(zones: [(place: (turn: (0, inf, 0)))])".into(), "zone 0: `SceneZone::place` is inf"),
         (format!("(cloths: [({fine}), (size: (1, -1))])"), "cloth 1: `Cloth::size.y` is -1"),
         (format!("(cloths: [({fine}, damping: -2)])"), "cloth 0: `Fabric::damping` is -2, allowed is 0..=1000 1/s"),
         (format!("(cloths: [({fine}, fabric: Custom((shear: -1)))])"), "cloth 0: `Fabric::shear` is -1"),
@@ -144,6 +152,31 @@ fn wind_takes_a_cloth_along_only_where_there_is_air() {
     };
     assert_eq!(moved(""), 0.0);
     assert!(moved("air: (),") > 1.0);
+}
+
+#[test]
+fn gusts_zones_and_fans_move_a_cloth_each_on_its_own() {
+    let moved = |what: &str| {
+        let cloth = "cloths: [(size: (0.4, 0.4), cells: (4, 4), place: (at: (1, 1, 0), turn: (0, 180, 0)))]";
+        let mut world = World::new(&scene(&format!("(gravity: (0, 0, 0), air: (), {what} {cloth})"))).unwrap();
+        for _ in 0..60 {
+            world.tick();
+        }
+        world.frames[0].point(measure::centre_of_mass(&world.cloths[0].particles).as_vec3()) - Vec3::new(1.0, 1.0, 0.0)
+    };
+    assert_eq!(moved(""), Vec3::ZERO);
+    let fan = moved("fans: [(place: (at: (1, 1, 2)))],");
+    assert!(fan.z < -1.0, "{fan}");
+    assert_eq!(moved("fans: [(fan: (on: false), place: (at: (1, 1, 2)))],"), Vec3::ZERO);
+    let ball = "colliders: [(shape: Sphere(radius: 0.5), place: (at: (1, 1, 1)))],";
+    assert_eq!(moved(&format!("fans: [(place: (at: (1, 1, 2)))], {ball}")), Vec3::ZERO);
+    let zone = moved("zones: [(zone: (velocity: (1, 0, 0)), place: (at: (1, 1, 0), turn: (0, 90, 0)))],");
+    assert!(zone.z < -0.3 && zone.x.abs() < 0.1, "{zone}");
+    assert_eq!(moved("zones: [(place: (at: (4, 1, 0)))],"), Vec3::ZERO);
+    let [steady, gusty] = [moved("wind: (0, 0, 3),"), moved("wind: (0, 0, 3), gusts: (intensity: 0.3),")];
+    assert!(steady.distance(gusty) > 0.05, "{steady} and {gusty}");
+    assert_eq!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3),"));
+    assert_ne!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3, seed: 1),"));
 }
 
 #[test]

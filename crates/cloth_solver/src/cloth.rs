@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::contact::Contacts;
+use crate::damage::{self, Blade, Cut, Tear, Tearing, Torn};
+use crate::forces::{Air, WindField};
 use crate::method::Method;
+use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
 
 /// One tick: how long, in how many substeps.
@@ -58,6 +61,10 @@ pub struct Cloth {
     pub constraints: Constraints,
     /// Contact.
     pub contacts: Contacts,
+    /// The air around it. Default none: no air acts, and none is computed.
+    pub air: Option<Air>,
+    /// How that moves in this tick.
+    pub wind: WindField,
 }
 
 impl Cloth {
@@ -68,6 +75,8 @@ impl Cloth {
             particles: Particles::new(&topology, fabric.areal_density),
             constraints: Constraints::new(&topology, fabric)?,
             contacts: Contacts { offset: Contacts::offset_for(&topology, fabric), ..Contacts::default() },
+            air: None,
+            wind: WindField::default(),
             topology,
         })
     }
@@ -79,11 +88,51 @@ impl Cloth {
         self.particles.load.fill(0.0);
     }
 
+    /// Cuts it with `blade`; `tips` are those of the stroke so far. `None` if the blade crosses nothing.
+    pub fn cut(&mut self, blade: &Blade, tips: &[u32]) -> Option<Cut> {
+        let before = self.topology.clone();
+        let cut = damage::cut(Arc::make_mut(&mut self.topology), &self.particles.position, blade, tips);
+        self.follow(&before, cut.as_ref().map(|cut| &cut.change));
+        cut
+    }
+
+    /// Tears what `tear` knows to carry more than `tearing` allows. `None` if nothing does.
+    pub fn tear(&mut self, tear: &mut Tear, tearing: &Tearing) -> Option<Torn> {
+        let before = self.topology.clone();
+        let torn = tear.tear(&mut self.topology, tearing, &[]);
+        self.follow(&before, torn.as_ref().map(|torn| &torn.change));
+        torn
+    }
+
+    /// Takes triangles out; `None` if there is none of them.
+    pub fn remove_triangles(&mut self, triangles: &[u32]) -> Option<Change> {
+        let before = self.topology.clone();
+        let change = damage::remove(Arc::make_mut(&mut self.topology), triangles);
+        self.follow(&before, change.as_ref());
+        change
+    }
+
+    fn follow(&mut self, before: &Arc<Topology>, change: Option<&Change>) {
+        match change {
+            Some(change) => {
+                damage::follow(before, &self.topology, change, &mut self.particles, &mut self.constraints);
+            }
+            None => self.topology = before.clone(),
+        }
+    }
+
     /// Advances by one tick under `gravity` (m/s²).
     pub fn step(&mut self, tick: Tick, gravity: Vec3) {
         self.particles.acceleration = gravity;
+        match self.air {
+            Some(_) => self.wind.sample(&self.topology, &mut self.particles),
+            None => self.particles.airflow = None,
+        }
         for index in 0..tick.substeps.max(1) {
             let sub = tick.substep(index);
+            if let Some(air) = &self.air {
+                air.blow(&self.topology, &mut self.particles, &sub);
+            }
             crate::method::integrate(&mut self.particles, &self.constraints, &sub);
             crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
             crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);

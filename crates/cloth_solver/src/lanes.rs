@@ -7,7 +7,9 @@ use std::sync::LazyLock;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x8};
 
-use crate::Soa3;
+use glam::{Mat3, Vec3};
+
+use crate::{Pose, Soa3};
 
 /// Lanes in a vector.
 pub(crate) const LANES: usize = 8;
@@ -55,7 +57,7 @@ impl<S: Simd> Vec3x8<S> {
     }
 
     #[inline(always)]
-    pub fn splat(simd: S, v: glam::Vec3) -> Self {
+    pub fn splat(simd: S, v: Vec3) -> Self {
         Self { x: splat(simd, v.x), y: splat(simd, v.y), z: splat(simd, v.z) }
     }
 
@@ -96,6 +98,36 @@ impl<S: Simd> core::ops::Mul<f32x8<S>> for Vec3x8<S> {
     #[inline(always)]
     fn mul(self, s: f32x8<S>) -> Self {
         Self { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+
+/// A pose with its rotation as a matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Frame {
+    pub origin: Vec3,
+    axes: Mat3,
+}
+
+impl Frame {
+    pub fn new(pose: Pose) -> Self {
+        Self { origin: pose.position, axes: Mat3::from_quat(pose.rotation) }
+    }
+
+    #[inline(always)]
+    pub fn direction<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Vec3x8<S> {
+        let m = &self.axes;
+        Vec3x8::splat(simd, m.x_axis) * v.x + Vec3x8::splat(simd, m.y_axis) * v.y + Vec3x8::splat(simd, m.z_axis) * v.z
+    }
+
+    #[inline(always)]
+    pub fn inverse_point<S: Simd>(&self, simd: S, p: Vec3x8<S>) -> Vec3x8<S> {
+        let d = p - Vec3x8::splat(simd, self.origin);
+        let m = &self.axes;
+        Vec3x8 {
+            x: d.dot(Vec3x8::splat(simd, m.x_axis)),
+            y: d.dot(Vec3x8::splat(simd, m.y_axis)),
+            z: d.dot(Vec3x8::splat(simd, m.z_axis)),
+        }
     }
 }
 

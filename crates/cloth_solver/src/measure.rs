@@ -6,7 +6,8 @@
 use glam::{DMat2, DVec3, Vec3};
 
 use crate::lanes::LANES;
-use crate::{Grid, Particles, Soa3, Topology};
+use crate::topology::{Along, Thread, threads};
+use crate::{Particles, Soa3, Topology};
 
 mod elastic;
 
@@ -61,8 +62,10 @@ pub fn edge_strains<'a>(
     topology: &'a Topology,
     particles: &'a Particles,
 ) -> impl Iterator<Item = ([u32; 2], f32)> + 'a {
-    let lines = topology.grid.into_iter().flat_map(|grid| Line::wefts(grid).chain(Line::warps(grid)));
-    let along_lines = lines.flat_map(|line| line.edges().map(move |edge| (edge, line.spacing)));
+    let along_lines = lines(topology).flat_map(|line| {
+        let spacing = line.spacing;
+        line.links().map(move |(edge, _)| (edge, spacing)).collect::<Vec<_>>()
+    });
     let edges = if topology.grid.is_some() { &[] } else { topology.edges.as_slice() };
     let of_mesh = edges.iter().map(|edge| {
         let [a, b] = edge.map(|slot| topology.rest[slot as usize].as_dvec3());
@@ -75,23 +78,31 @@ pub fn edge_strains<'a>(
 }
 
 /// The strains a fabric feels along its threads, each with the particles it acts on (repeated to make three): of the
-/// warp and weft edges of a rectangle, of the warp and weft directions of each triangle of any other mesh.
-fn thread_strains<'a>(topology: &'a Topology, particles: &'a Particles) -> impl Iterator<Item = ([u32; 3], f32)> + 'a {
-    let is_grid = topology.grid.is_some();
-    let of_edges = (is_grid.then(|| edge_strains(topology, particles)).into_iter().flatten())
-        .map(|([a, b], strain)| ([a, b, b], strain));
-    let triangles = if is_grid { &[] } else { topology.triangles.as_slice() };
-    let of_triangles = triangles.iter().enumerate().flat_map(|(i, triangle)| {
-        let threads = deformation(topology, &particles.position, i);
-        threads.map(|thread| (*triangle, (thread.length() - 1.0) as f32))
+/// warp and weft edges of a rectangle, of the warp and weft directions of each triangle that belongs to none.
+pub(crate) fn threads_and_strains<'a>(
+    topology: &'a Topology,
+    particles: &'a Particles,
+) -> impl Iterator<Item = ([u32; 3], Along, f32)> + 'a {
+    let of_edges = lines(topology).flat_map(|line| {
+        let links = line.links().map(|([a, b], _)| {
+            let [from, to] = [a, b].map(|slot| particles.position.get(slot as usize).as_dvec3());
+            ([a, b, b], line.along, (from.distance(to) / line.spacing - 1.0) as f32)
+        });
+        links.collect::<Vec<_>>()
+    });
+    let of_triangles = topology.loose().flat_map(move |triangle| {
+        let threads = deformation(topology, &particles.position, triangle as usize).into_iter();
+        threads
+            .zip([Along::Weft, Along::Warp])
+            .map(move |(thread, along)| (topology.triangles[triangle as usize], along, (thread.length() - 1.0) as f32))
     });
     of_edges.chain(of_triangles)
 }
 
 /// The largest tensile strain along warp or weft, dimensionless; 0 where nothing is stretched. Of the edges of a
-/// rectangle, of the triangles of any other mesh.
+/// rectangle, of the triangles that belong to none.
 pub fn largest_strain(topology: &Topology, particles: &Particles) -> f32 {
-    thread_strains(topology, particles).map(|(_, strain)| strain).fold(0.0, larger)
+    threads_and_strains(topology, particles).map(|(.., strain)| strain).fold(0.0, larger)
 }
 
 /// For each slot the largest amount of strain, stretch or compression, along warp or weft at that particle; 0 for
@@ -99,7 +110,7 @@ pub fn largest_strain(topology: &Topology, particles: &Particles) -> f32 {
 pub fn particle_strain(topology: &Topology, particles: &Particles, out: &mut Vec<f32>) {
     out.clear();
     out.resize(topology.slots(), 0.0);
-    for (slots, strain) in thread_strains(topology, particles) {
+    for (slots, _, strain) in threads_and_strains(topology, particles) {
         for slot in slots {
             out[slot as usize] = larger(out[slot as usize], strain.abs());
         }
@@ -141,54 +152,31 @@ fn deformation(topology: &Topology, positions: &Soa3, index: usize) -> [DVec3; 2
     [inverse.x_axis, inverse.y_axis].map(|column| (p1 - p0) * column.x + (p2 - p0) * column.y)
 }
 
-/// One row or column of a rectangle.
-#[derive(Clone, Copy)]
+/// A row or column of a rectangle, or of one that was taken apart a run of links that hang together.
 struct Line {
-    /// Its first particle.
-    first: u32,
-    /// Slots from one of its particles to the next.
-    step: u32,
-    /// Number of its particles.
-    count: u32,
-    /// Rest length of its edges, m.
+    along: Along,
+    /// Rest length of its links, m.
     spacing: f64,
-    /// Width of fabric it stands for, m: a full spacing inside, half of one at the border.
-    width: f64,
+    /// Width of fabric that a link of width 1 stands for, m.
+    across: f64,
+    thread: Thread,
+}
+
+/// All rows and columns, or what is left of them; none of a mesh that is no rectangle.
+fn lines(topology: &Topology) -> impl Iterator<Item = Line> {
+    let spacing = topology.grid.map_or(glam::DVec2::ONE, |grid| grid.spacing.as_dvec2());
+    [(Along::Weft, spacing.x, spacing.y), (Along::Warp, spacing.y, spacing.x)].into_iter().flat_map(
+        move |(along, spacing, across)| {
+            threads(topology, along).into_iter().map(move |thread| Line { along, spacing, across, thread })
+        },
+    )
 }
 
 impl Line {
-    /// The rows, which run along the weft.
-    fn wefts(grid: Grid) -> impl Iterator<Item = Self> {
-        let (spacing, across) = (f64::from(grid.spacing.x), f64::from(grid.spacing.y));
-        (0..grid.rows).map(move |row| Self {
-            first: grid.slot(row, 0),
-            step: 1,
-            count: grid.columns,
-            spacing,
-            width: across * Self::share(row, grid.rows),
-        })
-    }
-
-    /// The columns, which run along the warp.
-    fn warps(grid: Grid) -> impl Iterator<Item = Self> {
-        let (spacing, across) = (f64::from(grid.spacing.y), f64::from(grid.spacing.x));
-        (0..grid.columns).map(move |column| Self {
-            first: grid.slot(0, column),
-            step: grid.stride,
-            count: grid.rows,
-            spacing,
-            width: across * Self::share(column, grid.columns),
-        })
-    }
-
-    /// The part of a spacing that line `index` of `count` stands for.
-    fn share(index: u32, count: u32) -> f64 {
-        if index == 0 || index + 1 == count { 0.5 } else { 1.0 }
-    }
-
-    /// Its edges from its first particle to its last.
-    fn edges(self) -> impl Iterator<Item = [u32; 2]> {
-        (1..self.count).map(move |i| [self.first + (i - 1) * self.step, self.first + i * self.step])
+    /// The ends of its links and the width of fabric each stands for, m.
+    fn links(&self) -> impl Iterator<Item = ([u32; 2], f64)> + '_ {
+        let Thread { slots, width, .. } = &self.thread;
+        slots.windows(2).zip(width).map(|(ends, width)| ([ends[0], ends[1]], f64::from(*width) * self.across))
     }
 }
 

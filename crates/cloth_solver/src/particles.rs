@@ -12,6 +12,10 @@
 
 use glam::Vec3;
 
+use crate::Topology;
+use crate::forces::Airflow;
+use crate::topology::Change;
+
 /// Three coordinates, each in its own array.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Soa3 {
@@ -82,11 +86,48 @@ impl Soa3 {
         self.z.fill(value.z);
     }
 
+    /// Takes over new entries, each between its parents.
+    pub fn follow(&mut self, change: &Change) {
+        for axis in [&mut self.x, &mut self.y, &mut self.z] {
+            axis.resize(change.slots, 0.0);
+            for born in &change.born {
+                axis[born.slot as usize] = born.blend(|slot| axis[slot]);
+            }
+        }
+    }
+
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         // A sum of x·0 is 0 for finite x and NaN otherwise, and vectorises, which a loop with an exit does not.
         [&self.x, &self.y, &self.z].iter().all(|v| v.iter().map(|x| x * 0.0).sum::<f32>() == 0.0)
     }
+}
+
+/// The mass that each touched particle has after `change`: what its corners of triangles had before. A triangle that was
+/// divided shares its mass among its parts by their area.
+fn shared_mass(mass: &[f32], before: &Topology, now: &Topology, change: &Change) -> Vec<f32> {
+    let mut shared = vec![0.0_f64; change.slots];
+    let mut origin: Vec<u32> = (0..change.slots as u32).collect();
+    for born in change.born.iter().filter(|born| born.parents[0] == born.parents[1]) {
+        origin[born.slot as usize] = origin[born.parents[0] as usize];
+    }
+    let density = |slot: u32| f64::from(mass[slot as usize]) / f64::from(before.area[slot as usize]);
+    for (triangle, corners) in now.triangles.iter().enumerate() {
+        if !corners.iter().any(|slot| change.touched[*slot as usize]) {
+            continue;
+        }
+        let source = change.triangles[triangle];
+        let (old, old_areas) = (before.triangles[source as usize], before.corner_areas(source).map(f64::from));
+        let areas = now.corner_areas(triangle as u32).map(f64::from);
+        let is_whole = corners.map(|slot| origin[slot as usize]) == old;
+        let old_mass: f64 = old.iter().zip(old_areas).map(|(slot, area)| density(*slot) * area).sum();
+        let mean = old_mass / old_areas.iter().sum::<f64>();
+        for i in 0..3 {
+            let part = if is_whole { density(old[i]) * old_areas[i] } else { mean * areas[i] };
+            shared[corners[i] as usize] += part;
+        }
+    }
+    shared.into_iter().map(|mass| mass as f32).collect()
 }
 
 /// The state of motion of one cloth, in the cloth's own frame.
@@ -116,11 +157,13 @@ pub struct Particles {
     pub acceleration: Vec3,
     /// Further force on each particle in this tick, N. `None` costs nothing.
     pub force: Option<Soa3>,
+    /// The air at each particle, and its force. `None` costs nothing.
+    pub airflow: Option<Airflow>,
 }
 
 impl Particles {
     /// At rest, at the rest positions of `topology`, with the mass of `areal_density` (kg/m²).
-    pub fn new(topology: &crate::Topology, areal_density: f32) -> Self {
+    pub fn new(topology: &Topology, areal_density: f32) -> Self {
         let mass: Vec<f32> = topology.area.iter().map(|a| a * areal_density).collect();
         Self {
             position: Soa3::from_slice(&topology.rest),
@@ -133,6 +176,7 @@ impl Particles {
             mass,
             acceleration: Vec3::ZERO,
             force: None,
+            airflow: None,
         }
     }
 
@@ -167,6 +211,31 @@ impl Particles {
             self.inverse_mass[slot] = 1.0 / self.mass[slot];
         }
         Ok(())
+    }
+
+    /// Takes over what taking the cloth apart did: from `before` it became `now` by `change`. New particles stand and move
+    /// between their parents; the mass of every triangle stays in it.
+    pub fn follow(&mut self, before: &Topology, now: &Topology, change: &Change) {
+        let mass = shared_mass(&self.mass, before, now, change);
+        for all in [&mut self.position, &mut self.moved, &mut self.previous, &mut self.velocity] {
+            all.follow(change);
+        }
+        if let Some(force) = &mut self.force {
+            force.follow(change);
+        }
+        for numbers in [&mut self.load, &mut self.inertia, &mut self.inverse_mass, &mut self.mass] {
+            numbers.resize(change.slots, 0.0);
+        }
+        for slot in (0..change.slots).filter(|slot| change.touched[*slot]) {
+            let m = mass[slot];
+            self.mass[slot] = m;
+            self.inertia[slot] = m;
+            self.load[slot] = 0.0;
+            self.inverse_mass[slot] = if m > 0.0 { 1.0 / m } else { 0.0 };
+            if m <= 0.0 {
+                self.velocity.set(slot, Vec3::ZERO);
+            }
+        }
     }
 
     /// How many particles carry more inertia than mass now; see [`crate::method::xpbd`].

@@ -3,11 +3,9 @@
 #[path = "common/fire.rs"]
 mod common;
 
-use std::sync::Arc;
-
 use cloth_solver::damage::fire::*;
-use cloth_solver::topology::{Born, Change};
-use cloth_solver::{Fabric, Flammable, Particles, Topology};
+use cloth_solver::damage::{self, Blade, cut};
+use cloth_solver::{ClothError, Fabric, Fire, Flammable};
 use common::*;
 use glam::Vec3;
 
@@ -211,53 +209,56 @@ fn what_is_born_of_burning_cloth_burns_as_its_parents_do() {
     let mut sheet = Burning::cotton(mesh([0.1, 0.1], 0.02, 0.3));
     sheet.light(|rest| rest.y < 0.03);
     sheet.run(2.0);
-    let old = Arc::new(sheet.topology.clone());
-    let [a, b] = old.edges[7];
-    let slots = old.slots();
-    // A triangle goes, a particle is copied, and one is born on an edge.
-    let mut topology = old.as_ref().clone();
-    topology.rest.extend([old.rest[a as usize]; 8]);
-    topology.area.extend([old.area[a as usize], old.area[b as usize], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    topology.triangles.remove(3);
-    topology.triangle_rest.remove(3);
-    let change = Change {
-        slots: slots + 8,
-        born: vec![
-            Born { slot: slots as u32, parents: [a, a], t: 0.0 },
-            Born { slot: slots as u32 + 1, parents: [a, b], t: 0.25 },
-        ],
-        triangles: (0..old.triangles.len() as u32).filter(|triangle| *triangle != 3).collect(),
-        gone: vec![],
+    let (before, old) = (sheet.topology.clone(), sheet.fire.clone());
+    let blade = Blade {
+        from: [Vec3::new(-0.01, 0.037, 1.0), Vec3::new(-0.01, 0.037, -1.0)],
+        to: [Vec3::new(0.11, 0.061, 1.0), Vec3::new(0.11, 0.061, -1.0)],
     };
-    let [ta, tb] = [a, b].map(|slot| sheet.fire.temperature()[slot as usize]);
-    sheet.fire.follow(&topology, &change);
-    assert_eq!(sheet.fire.temperature()[slots], ta);
-    assert!((sheet.fire.temperature()[slots + 1] - (0.75 * ta + 0.25 * tb)).abs() < 1e-3);
-    assert_eq!(sheet.fire.fuel().len(), slots + 8);
-    sheet.particles = Particles::new(&topology, 0.15);
-    sheet.lit_at.resize(slots + 8, f32::INFINITY);
-    sheet.topology = topology;
-    sheet.run(30.0);
-    assert!(sheet.fire.fuel()[slots] <= 0.05 && sheet.fire.fuel()[a as usize] <= 0.05);
+    let position = sheet.particles.position.clone();
+    let change = cut(&mut sheet.topology, &position, &blade, &[]).unwrap().change;
+    sheet.follow(&before, &change);
+    assert!(change.born.iter().any(|born| born.t > 0.0) && change.born.iter().any(|born| born.t == 0.0));
+    for born in &change.born {
+        let values =
+            |fire: &Fire, slot: u32| [fire.temperature(), fire.fuel(), fire.scorch()].map(|v| v[slot as usize]);
+        for k in 0..3 {
+            let blend = born.blend(|parent| values(&sheet.fire, parent as u32)[k]);
+            assert!((values(&sheet.fire, born.slot)[k] - blend).abs() < 1e-3);
+        }
+    }
+    assert_eq!(old.temperature()[..40], sheet.fire.temperature()[..40]);
+    assert_eq!(sheet.fire.fuel().len(), sheet.topology.slots());
+    for _ in 0..1800 {
+        sheet.tick();
+        sheet.take_out();
+    }
+    assert!(sheet.topology.triangles.is_empty(), "{} are left", sheet.topology.triangles.len());
 }
 
 #[test]
-fn fire_spreads_as_fast_while_the_topology_changes_in_every_tick() {
-    let climbed = |changes: bool| {
-        let mut strip = Burning::cotton(sheet([0.1, 0.6], 0.016));
-        strip.light(|rest| rest.y < -0.299);
-        let Topology { triangles, rest, .. } = &strip.topology;
-        let triangles = (0..triangles.len() as u32).collect();
-        let change = Change { slots: rest.len(), born: vec![], triangles, gone: vec![] };
-        for _ in 0..240 {
+fn a_fire_whose_cloth_is_taken_out_as_it_burns_through_spreads_as_fast() {
+    let lit = |takes_out: bool| {
+        let mut strip = Burning::cotton(sheet([0.2, 1.0], 0.02));
+        strip.light(|rest| rest.y < -0.499 && rest.x < -0.05);
+        for _ in 0..900 {
             strip.tick();
-            if changes {
-                strip.fire.follow(&strip.topology, &change);
+            if takes_out {
+                strip.take_out();
             }
         }
-        strip.lit_at.iter().filter(|at| at.is_finite()).count()
+        assert_eq!(takes_out, strip.topology.triangles.len() < 900);
+        strip.lit_at.iter().filter(|at| at.is_finite()).count() as f32
     };
-    assert!(climbed(true).abs_diff(climbed(false)) <= 7, "{} instead of {}", climbed(true), climbed(false));
+    let (whole, taken) = (lit(false), lit(true));
+    assert!(whole < 540.0 && (taken / whole - 1.0).abs() < 0.02, "{taken} particles instead of {whole}");
+}
+
+#[test]
+fn a_cloth_whose_change_was_not_followed_is_refused() {
+    let mut sheet = Burning::cotton(sheet([0.1, 0.1], 0.02));
+    damage::remove(&mut sheet.topology, &[3]).unwrap();
+    let found = sheet.fire.burn(&sheet.topology, &sheet.particles, &sheet.around, DT);
+    assert!(matches!(found, Err(ClothError::OutOfRange { .. })), "{found:?}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use bevy::ecs::query::QueryData;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
+use cloth_solver::forces::Gusts;
 use cloth_solver::{ClothError, Fabric, Topology};
 
 use super::placement::Placement;
@@ -32,6 +33,7 @@ pub(crate) struct Authored {
     substeps: Option<Substeps>,
     air: Option<Air>,
     wind: Option<Wind>,
+    gusts: Option<Gusts>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
     /// What the shape still waits for.
@@ -92,12 +94,21 @@ pub(crate) struct Wanted {
     substeps: Option<Ref<'static, Substeps>>,
     air: Option<Ref<'static, Air>>,
     wind: Option<Ref<'static, Wind>>,
+    gusts: Option<Ref<'static, Gusts>>,
     grabs: Option<Ref<'static, Grabs>>,
     mesh: Option<&'static Mesh3d>,
     drawn: Option<&'static DrawnMesh>,
     pub authored: &'static mut Authored,
     pub rejection: Option<&'static ClothRejection>,
 }
+
+/// What a cloth falls back on where it has no settings of its own.
+type SharedSettings<'a, 'w> = (
+    &'a Res<'w, Shared<Gravity>>,
+    &'a Res<'w, Shared<Substeps>>,
+    &'a Res<'w, Shared<Wind>>,
+    &'a Res<'w, Shared<Gusts>>,
+);
 
 /// Whether an optional component is another one than was last seen. The change flag comes first, since a NaN is
 /// different from itself; the value second, since inspectors touch what they do not change.
@@ -141,7 +152,7 @@ impl WantedItem<'_, '_> {
         placement: Option<Placement>,
         meshes: Option<&Assets<Mesh>>,
         modified: &HashSet<AssetId<Mesh>>,
-        shared: (&Res<Shared<Gravity>>, &Res<Shared<Substeps>>, &Res<Shared<Wind>>),
+        shared: SharedSettings,
         running: bool,
     ) -> Changes {
         let seen = &self.authored;
@@ -171,9 +182,11 @@ impl WantedItem<'_, '_> {
                 || differs(&self.substeps, &seen.substeps)
                 || differs(&self.air, &seen.air)
                 || differs(&self.wind, &seen.wind)
+                || differs(&self.gusts, &seen.gusts)
                 || (self.gravity.is_none() && shared.0.is_changed())
                 || (self.substeps.is_none() && shared.1.is_changed())
-                || (self.wind.is_none() && shared.2.is_changed()),
+                || (self.wind.is_none() && shared.2.is_changed())
+                || (self.gusts.is_none() && shared.3.is_changed()),
             grabs: match &self.grabs {
                 Some(grabs) => grabs.is_changed() || (seen.grabs_unchecked && running),
                 None => seen.faults.grabs.is_some(),
@@ -202,16 +215,18 @@ impl WantedItem<'_, '_> {
         seen.substeps = self.substeps.as_deref().copied();
         seen.air = self.air.as_deref().copied();
         seen.wind = self.wind.as_deref().copied();
+        seen.gusts = self.gusts.as_deref().copied();
         changes
     }
 
     /// Checks the settings that hold for this cloth, its own or the shared ones.
-    pub fn check_settings(&mut self, gravity: &Shared<Gravity>, substeps: &Shared<Substeps>, wind: &Shared<Wind>) {
+    pub fn check_settings(&mut self, (gravity, substeps, wind, gusts): SharedSettings) {
         let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
         let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
         let air = self.air.as_deref().map_or(Ok(()), Air::validate);
         let wind = self.wind.as_deref().unwrap_or(wind).validate();
-        self.authored.faults.settings = gravity.and(substeps).and(air).and(wind).err();
+        let gusts = self.gusts.as_deref().unwrap_or(gusts).validate();
+        self.authored.faults.settings = gravity.and(substeps).and(air).and(wind).and(gusts).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Pins as SolverPins;
 use cloth_solver::contact::Contacts;
+use cloth_solver::forces::Gusts;
 use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose};
 
 use super::anchors::{self, Anchors};
@@ -45,6 +46,7 @@ pub(crate) struct Surroundings<'w, 's> {
     gravity: Res<'w, Shared<Gravity>>,
     substeps: Res<'w, Shared<Substeps>>,
     wind: Res<'w, Shared<Wind>>,
+    gusts: Res<'w, Shared<Gusts>>,
 }
 
 /// Looks at every cloth and renews what changed, no more. In a quiet tick it only compares.
@@ -62,7 +64,7 @@ pub(crate) fn build(
             _ => None,
         }));
     }
-    let shared = (&around.gravity, &around.substeps, &around.wind);
+    let shared = (&around.gravity, &around.substeps, &around.wind, &around.gusts);
     for (mut wanted, mut running) in &mut cloths {
         let placement = around.placements.get(wanted.entity);
         let changes = wanted.notice(placement, around.meshes.as_deref(), &modified, shared, running.is_some());
@@ -70,7 +72,7 @@ pub(crate) fn build(
             continue;
         }
         if changes.settings {
-            wanted.check_settings(shared.0, shared.1, shared.2);
+            wanted.check_settings(shared);
         }
         if changes.shape || (wanted.authored.stale && changes.fabric) {
             wanted.build_shape(placement, &around, running.is_some(), &mut commands);

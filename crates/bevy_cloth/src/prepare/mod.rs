@@ -9,9 +9,12 @@ mod placement;
 mod select;
 mod source;
 mod undo;
+mod wind_source;
 
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use cloth_solver::Pose;
+use cloth_solver::forces::{Fan, WindZone};
 
 use crate::air;
 use crate::schedule::{ClothSchedule, ClothSystems};
@@ -24,10 +27,19 @@ pub(crate) use frame::StepPlan;
 pub(crate) use placement::Placements;
 pub(crate) use select::select;
 pub(crate) use source::Skin;
+pub(crate) use wind_source::WindSources;
 
 /// `frame⁻¹ ∘ other`, exactly the identity if both are the same: what did not move must not move by a rounding.
 pub(crate) fn relative(frame: &Pose, other: &Pose) -> Pose {
     if frame == other { Pose::IDENTITY } else { frame.inverse_pose(other) }
+}
+
+/// What [`ClothSystems::Build`] does, on one thread.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct BuildSchedule;
+
+fn run_build(world: &mut World) {
+    world.run_schedule(BuildSchedule);
 }
 
 /// What drawing and pinning need of the mesh a running cloth was made from.
@@ -45,10 +57,22 @@ pub(crate) struct DrawnMesh {
 }
 
 /// Adds the systems of this folder.
-pub(crate) fn plugin(app: &mut App, schedule: impl bevy::ecs::schedule::ScheduleLabel) {
-    app.add_systems(schedule, (build::build, collider::build).in_set(ClothSystems::Build))
+pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel) {
+    let winds = (wind_source::build::<Fan>, wind_source::build::<WindZone>);
+    app.init_resource::<WindSources>()
+        .init_resource::<air::SharedWind>()
+        .init_schedule(BuildSchedule)
+        .edit_schedule(BuildSchedule, |schedule| {
+            // Handing a comparison to another thread costs many times what it takes.
+            schedule.set_executor(SingleThreadedExecutor::new());
+        })
+        .add_systems(BuildSchedule, ((build::build, air::build).chain(), collider::build, winds))
+        .add_systems(schedule, run_build.in_set(ClothSystems::Build))
         .add_systems(ClothSchedule, (frame::advance, collider::advance).chain().in_set(ClothSystems::Prepare))
-        .add_systems(ClothSchedule, (frame::weigh, air::blow).chain().in_set(ClothSystems::Forces))
+        .add_systems(ClothSchedule, wind_source::place.in_set(ClothSystems::Prepare))
+        .add_systems(ClothSchedule, (frame::weigh, air::sample).chain().in_set(ClothSystems::Forces))
+        .add_observer(wind_source::on_removed::<Fan>)
+        .add_observer(wind_source::on_removed::<WindZone>)
         .add_observer(frame::on_reset)
         .add_observer(air::on_air_removed)
         .add_observer(undo::on_cloth_removed)

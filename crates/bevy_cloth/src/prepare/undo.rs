@@ -6,6 +6,7 @@ use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::Contacts;
 
 use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
+use crate::air::Surroundings;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
 use crate::settings::Grabs;
@@ -14,7 +15,7 @@ use crate::weights::Loads;
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
-    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads),
+    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

@@ -114,7 +114,7 @@ fn air(scene: &Scene, gravity: f32) -> Option<Prediction> {
         about: "air",
         value: format!("√(2σg/ρC)/√(gL) = {}, wind {} m/s", number(f64::from(ratio), 2), number(f64::from(wind), 2)),
         rule: "above 5 and no wind: no air",
-        needed: wind > 0.0 || ratio <= MUCH,
+        needed: wind > 0.0 || !scene.zones.is_empty() || !scene.fans.is_empty() || ratio <= MUCH,
         change: Some(Change::NoAir),
         instead: "",
     })

@@ -170,7 +170,7 @@ fn markdown(found: &Found) -> String {
              simulated second. A setting is substeps × iterations. The largest strain error is a difference of strains \
              (1 % of rest length, not of the strain); the shape error is the root mean square distance of all particles. \
              Rest is judged from the reference's rest on, over the last half second of three; motions for as long as \
-             the reference's two step lengths agree (see its table), since wrinkles make chaos of them after that. What the solver does once a tick (air, internal friction) counts \
+             the reference's two step lengths agree (see its table), since wrinkles make chaos of them after that. What the solver does once a tick (internal friction) counts \
              as error like everything else.\n\n![time against strain error](chart_strain.svg)\n\n\
              ![time against shape error](chart_shape.svg)\n\n## Time at equal error\n\nLeast time (ms per simulated \
              second) among the settings that reach it, and that setting; – where none does.\n";

@@ -135,6 +135,12 @@ impl Bench {
         self.add(check, quantity.into(), method, value, expected, bound, true);
     }
 
+    /// Adds a finding that no method takes part in.
+    pub fn known(&mut self, check: &'static str, quantity: impl Into<String>, value: f64, expected: f64, bound: Bound) {
+        let quantity = quantity.into();
+        self.findings.push(Finding { check, quantity, method: None, value, expected, bound, claimed: true });
+    }
+
     fn add(
         &mut self,
         check: &'static str,

@@ -4,6 +4,7 @@ mod air;
 mod cantilever;
 pub mod closed;
 mod contact;
+mod fan;
 pub mod finding;
 mod fire;
 mod hang;
@@ -59,6 +60,9 @@ const CHECKS: &[Check] = &[
     ("fire: spread", fire::spread),
     ("fire: slope, mass and tick", fire::slope),
     ("fire: ignition", fire::ignition),
+    ("fan: jet", fan::jet),
+    ("fan: panel", fan::panel),
+    ("gusts", fan::gusts),
     ("conservation", motion::conservation),
     ("free fall", motion::fall),
     ("mesh and step independence", hang::refined),

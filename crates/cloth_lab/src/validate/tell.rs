@@ -26,6 +26,9 @@ const NOTES: &str = "\
 - **Fire** burns strips that do not move, lit over a whole end; rates are slopes of place over time past the first quarter.
   Expected is what was measured on hanging cotton; the preheat lengths were taken from there, so that what is checked is
   whether meshes, ticks, slopes and masses change it. The 45° test is that of 16 CFR 1610. Acceleration upward is not modelled.
+- **Fan.** The free round jet on its axis, across, and integrated over its cross-section; the force is that on a
+  panel of cloth.
+- **Gusts.** Means over many places; divergence and gradient by differences over 1 cm.
 - **Frame rates** need no check here: the solver takes ticks of a fixed length and knows no frame.
 - **\"Fails by nature\"**: projection's stiffness is that of its steps, and one sweep of XPBD leaves a compliance of h²/m.
 

@@ -11,8 +11,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
+use super::batch::{Batches, gather, gather3, scatter3};
+use super::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
-use crate::{Grid, Soa3};
+use crate::{Grid, Particles, Soa3};
 
 /// α̃ of the two constraints of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +101,75 @@ impl Cells<'_> {
         let (w00, w10) = load_pair(simd, self.inverse_mass, at);
         let (w01, w11) = load_pair(simd, self.inverse_mass, at + self.grid.stride as usize);
         Weights { on, w00, w10, w01, w11 }
+    }
+}
+
+/// Cells of a rectangle that was taken apart whose corners lie anywhere, eight at a time.
+#[derive(Clone, Debug)]
+pub(crate) struct ListedCells {
+    batches: Batches<4>,
+    /// Factor on the stiffness of each cell; 0 where a lane is left over.
+    mask: Vec<[f32; LANES]>,
+}
+
+impl ListedCells {
+    /// Of the given corners.
+    pub fn new(batches: Batches<4>) -> Self {
+        Self { mask: batches.lanes(0.0, |_| 1.0), batches }
+    }
+
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.batches.source.iter().flatten().flatten().count()
+    }
+
+    /// Takes over what became of the particles.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        for (g, group) in self.batches.groups.iter().enumerate() {
+            for lane in (0..LANES).filter(|lane| self.batches.source[g][*lane].is_some()) {
+                let corners = [group[0][lane], group[1][lane], group[2][lane], group[3][lane]];
+                self.mask[g][lane] = wear.map_or(1.0, |wear| wear.of_cell(corners));
+            }
+        }
+    }
+
+    /// Solves all once. Shear is a constraint here.
+    #[inline(always)]
+    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, grid: &Grid, model: CellModel<'_>) {
+        let Particles { position, moved, inverse_mass, .. } = particles;
+        for (g, [a, b, c, d]) in self.batches.groups.iter().enumerate() {
+            let w = Weights {
+                on: f32x8::simd_from(simd, self.mask[g]),
+                w00: gather(simd, inverse_mass, a),
+                w10: gather(simd, inverse_mass, b),
+                w01: gather(simd, inverse_mass, c),
+                w11: gather(simd, inverse_mass, d),
+            };
+            let mut cell = Corners {
+                p00: gather3(simd, moved, a),
+                p10: gather3(simd, moved, b),
+                p01: gather3(simd, moved, c),
+                p11: gather3(simd, moved, d),
+            };
+            let start = Corners {
+                p00: gather3(simd, position, a),
+                p10: gather3(simd, position, b),
+                p01: gather3(simd, position, c),
+                p11: gather3(simd, position, d),
+            };
+            let still = start.diagonals() + cell.diagonals();
+            if let Some(compliance) = model.twist {
+                cell.untwist(simd, still, &w, compliance);
+            }
+            if let ShearModel::Constraint(compliance) = model.shear {
+                let gradient = ShearGradient::new(simd, still, grid);
+                cell.push(&gradient, gradient.value * w.on * gradient.scale(simd, &w, compliance), &w);
+            }
+            scatter3(cell.p00, moved, a);
+            scatter3(cell.p10, moved, b);
+            scatter3(cell.p01, moved, c);
+            scatter3(cell.p11, moved, d);
+        }
     }
 }
 

@@ -3,44 +3,66 @@
 //! It takes no momentum, linear or angular, and leaves free fall and rigid swings alone. Local dashpots on shear and
 //! bending were tried and left the slow swings of hanging flaps, which hardly shear or bend, as they were.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
-use crate::Particles;
+use crate::topology::Pieces;
+use crate::{Particles, Soa3};
 
-/// Moves the velocity of every free particle towards that of the rigid motion of them all, by `1 − exp(−rate dt)`.
-pub(super) fn damp(particles: &mut Particles, rate: f32, dt: f32) {
+/// The motion of one piece as if it were rigid.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Body {
+    mass: f64,
+    centre: DVec3,
+    drift: DVec3,
+    spin: DVec3,
+    inertia: DMat3,
+}
+
+impl Body {
+    fn turn(&self) -> DVec3 {
+        // Particles on a line resist no rotation about it.
+        let size = self.inertia.x_axis.x + self.inertia.y_axis.y + self.inertia.z_axis.z;
+        let singular = self.inertia.determinant() <= 1e-9 * size * size * size;
+        if singular { DVec3::ZERO } else { self.inertia.inverse() * self.spin }
+    }
+}
+
+/// Moves the velocity of every free particle towards that of the rigid motion of its piece, by `1 − exp(−rate dt)`. A cloth
+/// in one piece has no `pieces`. `bodies` is working memory.
+pub(super) fn damp(particles: &mut Particles, pieces: Option<&Pieces>, bodies: &mut Vec<Body>, rate: f32, dt: f32) {
     let Particles { position, velocity, mass, inverse_mass, .. } = particles;
-    let free = |i: &usize| inverse_mass[*i] > 0.0;
-    let at = |v: &crate::Soa3, i: usize| v.get(i).as_dvec3();
-    let (mut total, mut centre, mut drift) = (0.0, DVec3::ZERO, DVec3::ZERO);
-    for i in (0..mass.len()).filter(free) {
-        let m = f64::from(mass[i]);
-        total += m;
-        centre += m * at(position, i);
-        drift += m * at(velocity, i);
+    let piece = |slot: usize| pieces.map_or(0, |pieces| pieces.of_slot[slot] as usize);
+    let free = |slot: &usize| inverse_mass[*slot] > 0.0;
+    let at = |v: &Soa3, slot: usize| v.get(slot).as_dvec3();
+    bodies.clear();
+    bodies.resize(pieces.map_or(1, |pieces| pieces.triangles.len()), Body::default());
+    for slot in (0..mass.len()).filter(free) {
+        let (body, m) = (&mut bodies[piece(slot)], f64::from(mass[slot]));
+        body.mass += m;
+        body.centre += m * at(position, slot);
+        body.drift += m * at(velocity, slot);
     }
-    if total <= 0.0 {
-        return;
+    for body in bodies.iter_mut().filter(|body| body.mass > 0.0) {
+        (body.centre, body.drift) = (body.centre / body.mass, body.drift / body.mass);
     }
-    (centre, drift) = (centre / total, drift / total);
-    let (mut spin, mut inertia) = (DVec3::ZERO, DMat3::ZERO);
-    for i in (0..mass.len()).filter(free) {
-        let (m, r) = (f64::from(mass[i]), at(position, i) - centre);
-        spin += m * r.cross(at(velocity, i));
-        inertia += DMat3::from_diagonal(DVec3::splat(m * r.length_squared()))
+    for slot in (0..mass.len()).filter(free) {
+        let body = &mut bodies[piece(slot)];
+        let (m, r) = (f64::from(mass[slot]), at(position, slot) - body.centre);
+        body.spin += m * r.cross(at(velocity, slot));
+        body.inertia += DMat3::from_diagonal(DVec3::splat(m * r.length_squared()))
             - DMat3::from_cols(r * (m * r.x), r * (m * r.y), r * (m * r.z));
     }
-    // Particles on a line resist no rotation about it.
-    let size = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    let singular = inertia.determinant() <= 1e-9 * size * size * size;
-    let turn = if singular { DVec3::ZERO } else { inertia.inverse() * spin };
-    let (centre, drift, turn) = (centre.as_vec3(), drift.as_vec3(), turn.as_vec3());
-    let fade = 1.0 - (-rate * dt).exp();
-    for i in 0..mass.len() {
-        if inverse_mass[i] > 0.0 {
-            let rigid = drift + turn.cross(position.get(i) - centre);
-            let v = velocity.get(i);
-            velocity.set(i, v + (rigid - v) * fade);
+    for body in bodies.iter_mut() {
+        body.spin = body.turn();
+    }
+    let fade = 1.0 - libm::expf(-rate * dt);
+    for slot in 0..mass.len() {
+        if inverse_mass[slot] > 0.0 {
+            let Body { drift, spin, centre, .. } = &bodies[piece(slot)];
+            let arm: Vec3 = position.get(slot) - centre.as_vec3();
+            let rigid = drift.as_vec3() + spin.as_vec3().cross(arm);
+            let v = velocity.get(slot);
+            velocity.set(slot, v + (rigid - v) * fade);
         }
     }
 }

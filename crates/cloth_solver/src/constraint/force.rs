@@ -4,27 +4,36 @@
 use glam::Vec3;
 
 use super::grid::GridConstraints;
-use super::removed::Along;
-use crate::topology::hinge_angle;
+use crate::topology::{Along, Thread, hinge_angle, threads};
 use crate::{Fabric, Grid, Soa3, Topology};
 
 /// Force on each slot of a rectangle, N, added to `force`.
 pub(super) fn of_grid(constraints: &GridConstraints, position: &Soa3, force: &mut Soa3) {
     let (grid, fabric) = (constraints.grid, &constraints.fabric);
-    let (a, b, stride) = (grid.spacing.x, grid.spacing.y, grid.stride as usize);
-    let (columns, rows) = (grid.columns as usize, grid.rows as usize);
+    let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
+    let has_cells = fabric.shear > 0.0 || twist > 0.0;
+    if let Some(woven) = &constraints.woven {
+        for (along, threads) in [(Along::Weft, &woven.weft), (Along::Warp, &woven.warp)] {
+            for Thread { slots, width, .. } in threads {
+                Run::new(&grid, fabric, along, slots.len()).add(position, force, |k| slots[k] as usize, |k| width[k]);
+            }
+        }
+        for corners in woven.cells.iter().filter(|_| has_cells) {
+            cell(position, force, &grid, corners.map(|slot| slot as usize), fabric.shear, twist);
+        }
+        woven.loose.add(position, force);
+        return;
+    }
+    let (columns, rows, stride) = (grid.columns as usize, grid.rows as usize, grid.stride as usize);
     for row in 0..rows {
-        let run = Run { first: row * stride, step: 1, count: columns, spacing: a };
-        let gone = |k| constraints.is_gone(Along::Weft, row, columns, k);
-        run.add(position, force, b * constraints.row_width[row], fabric.stretch_weft, fabric.bend_weft, gone);
+        let width = constraints.row_width[row];
+        Run::new(&grid, fabric, Along::Weft, columns).add(position, force, |k| row * stride + k, |_| width);
     }
     for column in 0..columns {
-        let run = Run { first: column, step: stride, count: rows, spacing: b };
-        let gone = |k| constraints.is_gone(Along::Warp, column, rows, k);
-        run.add(position, force, a * constraints.column_width[column], fabric.stretch_warp, fabric.bend_warp, gone);
+        let width = constraints.column_width[column];
+        Run::new(&grid, fabric, Along::Warp, rows).add(position, force, |k| k * stride + column, |_| width);
     }
-    let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
-    if fabric.shear > 0.0 || twist > 0.0 {
+    if has_cells {
         for row in 0..rows - 1 {
             for at in row * stride..row * stride + columns - 1 {
                 cell(position, force, &grid, [at, at + 1, at + stride, at + stride + 1], fabric.shear, twist);
@@ -33,50 +42,67 @@ pub(super) fn of_grid(constraints: &GridConstraints, position: &Soa3, force: &mu
     }
 }
 
-/// One row or column.
+/// What the forces of a rectangle that was taken apart need.
+#[derive(Clone, Debug)]
+pub(super) struct Woven {
+    weft: Vec<Thread>,
+    warp: Vec<Thread>,
+    cells: Vec<[u32; 4]>,
+    loose: MeshForces,
+}
+
+impl Woven {
+    /// `None` if it was never taken apart.
+    pub fn new(topology: &Topology, fabric: &Fabric) -> Option<Self> {
+        let (grid, weave) = (topology.grid?, topology.weave.as_ref()?);
+        Some(Self {
+            weft: threads(topology, Along::Weft),
+            warp: threads(topology, Along::Warp),
+            cells: grid.cells().filter_map(|(row, column)| topology.cell(&grid, row, column)).collect(),
+            loose: MeshForces::new(topology, weave.loose.clone(), fabric),
+        })
+    }
+}
+
+/// Stretch and bending of a row, a column or a thread.
 struct Run {
-    first: usize,
-    step: usize,
     count: usize,
     spacing: f32,
+    /// Of one spacing wide.
+    per_strain: f32,
+    per_curl: f32,
 }
 
 impl Run {
-    /// Stretch and bending of a run that stands for `width` metres of fabric, but for its links that are `gone`.
-    fn add(
-        &self,
-        position: &Soa3,
-        force: &mut Soa3,
-        width: f32,
-        stretch: f32,
-        bend: f32,
-        gone: impl Fn(usize) -> bool,
-    ) {
-        let (per_strain, l) = (stretch * width / self.spacing, self.spacing);
-        let per_curl = bend * width / (l * l * l);
-        let (mut last, mut last_gone) = (Vec3::ZERO, true);
+    fn new(grid: &Grid, fabric: &Fabric, along: Along, count: usize) -> Self {
+        let (a, b) = (grid.spacing.x, grid.spacing.y);
+        let (l, across, stretch, bend) = match along {
+            Along::Weft => (a, b, fabric.stretch_weft, fabric.bend_weft),
+            Along::Warp => (b, a, fabric.stretch_warp, fabric.bend_warp),
+        };
+        Self { count, spacing: l, per_strain: stretch * across / l, per_curl: bend * across / (l * l * l) }
+    }
+
+    /// Adds the forces on its particles `slot(k)`; its links are `width(k)` spacings wide.
+    fn add(&self, position: &Soa3, force: &mut Soa3, slot: impl Fn(usize) -> usize, width: impl Fn(usize) -> f32) {
+        let mut last = Vec3::ZERO;
         for k in 0..self.count - 1 {
-            let this_gone = gone(k);
-            let bends = bend > 0.0 && !last_gone && !this_gone;
-            last_gone = this_gone;
-            if this_gone {
-                continue;
-            }
-            let at = self.first + k * self.step;
-            let next = at + self.step;
+            let (at, next) = (slot(k), slot(k + 1));
             let edge = position.get(next) - position.get(at);
             let length = edge.length();
-            let pull = if length > 0.0 { edge * (per_strain * (1.0 - l / length)) } else { Vec3::ZERO };
+            let per_strain = self.per_strain * width(k);
+            let pull = if length > 0.0 { edge * (per_strain * (1.0 - self.spacing / length)) } else { Vec3::ZERO };
             let mut here = pull;
-            if bends {
-                let curl = (edge - last) * per_curl;
-                force.set(at - self.step, force.get(at - self.step) - curl);
+            let mut there = -pull;
+            if k > 0 && self.per_curl > 0.0 {
+                let curl = (edge - last) * (self.per_curl * width(k).min(width(k - 1)));
+                let before = slot(k - 1);
+                force.set(before, force.get(before) - curl);
                 here += 2.0 * curl;
-                force.set(next, force.get(next) - curl - pull);
-            } else {
-                force.set(next, force.get(next) - pull);
+                there -= curl;
             }
             force.set(at, force.get(at) + here);
+            force.set(next, force.get(next) + there);
             last = edge;
         }
     }
@@ -98,48 +124,54 @@ fn cell(position: &Soa3, force: &mut Soa3, grid: &Grid, corners: [usize; 4], she
     }
 }
 
-/// What the forces of a mesh that is no grid need.
+/// What the forces of a mesh that is no grid need, or those of loose triangles.
 #[derive(Clone, Debug)]
 pub(super) struct MeshForces {
     topology: Topology,
     fabric: Fabric,
-    /// N·m per rad² of each hinge.
-    hinge_stiffness: Vec<f32>,
+    triangles: Vec<u32>,
+    /// Those of its hinges with one of the triangles, and N·m per rad² of each.
+    hinges: Vec<(u32, f32)>,
 }
 
 impl MeshForces {
-    pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        Self { topology: topology.clone(), fabric: *fabric, hinge_stiffness: topology.hinge_stiffness(fabric) }
+    /// Of those triangles of `topology` that `which` names.
+    pub fn new(topology: &Topology, which: Vec<u32>, fabric: &Fabric) -> Self {
+        let mut named = vec![false; topology.triangles.len()];
+        which.iter().for_each(|triangle| named[*triangle as usize] = true);
+        let hinges = (topology.hinge_triangles.iter().enumerate())
+            .filter(|(_, sharing)| sharing.iter().any(|triangle| named[*triangle as usize]))
+            .map(|(hinge, _)| (hinge as u32, topology.stiffness_of(hinge, fabric)));
+        Self { hinges: hinges.collect(), topology: topology.clone(), fabric: *fabric, triangles: which }
     }
 
     /// Force on each slot, N, added to `force`.
     pub fn add(&self, position: &Soa3, force: &mut Soa3) {
-        of_triangles(&self.topology, &self.fabric, position, force);
-        for ((hinge, rest), stiffness) in
-            self.topology.hinges.iter().zip(&self.topology.hinge_rest).zip(&self.hinge_stiffness)
-        {
-            bend(hinge.map(|slot| slot as usize), *rest, *stiffness, position, force);
+        let Self { topology, fabric, triangles, hinges } = self;
+        triangles.iter().for_each(|triangle| of_triangle(topology, fabric, *triangle as usize, position, force));
+        for (hinge, stiffness) in hinges {
+            let (slots, rest) = (topology.hinges[*hinge as usize], topology.hinge_rest[*hinge as usize]);
+            bend(slots.map(|slot| slot as usize), rest, *stiffness, position, force);
         }
     }
 }
 
-fn of_triangles(topology: &Topology, fabric: &Fabric, position: &Soa3, force: &mut Soa3) {
-    for (triangle, rest) in topology.triangles.iter().zip(&topology.triangle_rest) {
-        let slots = triangle.map(|slot| slot as usize);
-        let [p0, p1, p2] = slots.map(|slot| position.get(slot));
-        let m = rest.inverse();
-        let (e1, e2) = (p1 - p0, p2 - p0);
-        let (u, v) = (e1 * m.x_axis.x + e2 * m.x_axis.y, e1 * m.y_axis.x + e2 * m.y_axis.y);
-        let area = 0.5 * rest.determinant().abs();
-        let along = |f: Vec3, stiffness: f32| f.normalize_or_zero() * (stiffness * (f.length() - 1.0));
-        let shear = fabric.shear * u.dot(v);
-        // The stress that acts on unit weft and warp threads, times the area.
-        let on_u = (along(u, fabric.stretch_weft) + v * shear) * area;
-        let on_v = (along(v, fabric.stretch_warp) + u * shear) * area;
-        let (f1, f2) = (on_u * m.x_axis.x + on_v * m.y_axis.x, on_u * m.x_axis.y + on_v * m.y_axis.y);
-        for (slot, pull) in slots.into_iter().zip([f1 + f2, -f1, -f2]) {
-            force.set(slot, force.get(slot) + pull);
-        }
+fn of_triangle(topology: &Topology, fabric: &Fabric, triangle: usize, position: &Soa3, force: &mut Soa3) {
+    let rest = topology.triangle_rest[triangle];
+    let slots = topology.triangles[triangle].map(|slot| slot as usize);
+    let [p0, p1, p2] = slots.map(|slot| position.get(slot));
+    let m = rest.inverse();
+    let (e1, e2) = (p1 - p0, p2 - p0);
+    let (u, v) = (e1 * m.x_axis.x + e2 * m.x_axis.y, e1 * m.y_axis.x + e2 * m.y_axis.y);
+    let area = 0.5 * rest.determinant().abs();
+    let along = |f: Vec3, stiffness: f32| f.normalize_or_zero() * (stiffness * (f.length() - 1.0));
+    let shear = fabric.shear * u.dot(v);
+    // The stress that acts on unit weft and warp threads, times the area.
+    let on_u = (along(u, fabric.stretch_weft) + v * shear) * area;
+    let on_v = (along(v, fabric.stretch_warp) + u * shear) * area;
+    let (f1, f2) = (on_u * m.x_axis.x + on_v * m.y_axis.x, on_u * m.x_axis.y + on_v * m.y_axis.y);
+    for (slot, pull) in slots.into_iter().zip([f1 + f2, -f1, -f2]) {
+        force.set(slot, force.get(slot) + pull);
     }
 }
 

@@ -1,14 +1,18 @@
-//! The constraints of a grid: cells, then rows, then columns.
+//! The constraints of a grid: cells, then rows, then columns; and of what was taken apart, the same in lists.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells, ShearModel};
-use super::lines::{self, Block, Elimination, Rows};
-use super::removed::{Along, Gone, Removed};
+use super::force::Woven;
+use super::lines::{self, Block, Rows};
+use super::listed::Work;
+use super::patch::Patch;
 use super::shear::{Sheet, Stress};
-use super::sweep;
+use super::sweep::{self, Compliance};
+use super::wear::{Wear, Worn, WornGrid};
 use crate::lanes::{LANES, load, splat};
+use crate::topology::Along;
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
 /// T h²/(m l) that a particle under a lasting load is given the inertia for. Warp and weft are solved one after the other,
@@ -18,34 +22,64 @@ const STATIC_LOAD: f32 = 0.25;
 // A particle that has the inertia its load asks for must still count as loaded, or it would lose it again.
 const _: () = assert!(STATIC_LOAD > lines::EXPLICIT_LOAD);
 
+/// α̃ of the links and bends of runs of one spacing wide, and their spacing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stiffness {
+    /// l/(Y width h²), 1/kg.
+    pub stretch: f32,
+    /// l³/(D width h²), 1/kg; `None` if the fabric does not resist bending.
+    pub bend: Option<f32>,
+    /// Rest distance between neighbours, m.
+    pub spacing: f32,
+}
+
+impl Stiffness {
+    /// Of eight runs of one spacing wide.
+    #[inline(always)]
+    pub fn of_one_spacing<S: Simd>(self, simd: S) -> Compliance<S> {
+        #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
+        let bend = match self.bend {
+            Some(bend) => Some(splat(simd, bend)),
+            None => None,
+        };
+        Compliance { stretch: splat(simd, self.stretch), bend }
+    }
+}
+
+/// How a grid is swept.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sweep {
+    /// With the fabric's compliance, in a substep of length `h`, s.
+    Compliant { h: f32 },
+    /// Without any: distances to neighbours, right angles, and distances to the neighbours but one against bending.
+    Rigid,
+}
+
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
 #[derive(Clone, Debug)]
 pub(super) struct GridConstraints {
     pub grid: Grid,
     pub fabric: Fabric,
+    /// The root of the factor on the stiffness of each cell, per slot of its upper left corner: 0 where none is.
     cell_mask: Vec<f32>,
-    removed: Option<Box<Removed>>,
+    worn: Option<Box<WornGrid>>,
+    /// What was taken apart, if anything was.
+    pub patch: Option<Box<Patch>>,
+    /// The same, for methods that step forces.
+    pub woven: Option<Box<Woven>>,
     /// 1 inside, ½ for the outermost rows and columns, which stand for half the width; per row and per column slot.
     pub row_width: Vec<f32>,
     pub column_width: Vec<f32>,
-    rows_position: Soa3,
-    rows_inverse_mass: Vec<f32>,
-    rows_moved: Soa3,
-    rows_load: Vec<f32>,
+    work: Work,
     /// Multipliers of the links of each block of eight rows or columns.
     weft_lambda: Vec<f32>,
     warp_lambda: Vec<f32>,
-    elimination: Elimination,
     stress: Stress,
 }
 
 impl GridConstraints {
     pub fn new(grid: Grid, topology: &Topology, fabric: &Fabric) -> Self {
         let (columns, rows, stride) = (grid.columns as usize, grid.rows as usize, grid.stride as usize);
-        let mut cell_mask = vec![0.0; topology.slots()];
-        for row in 0..rows - 1 {
-            cell_mask[row * stride..row * stride + columns - 1].fill(1.0);
-        }
         let widths = |count: usize, padded: usize| {
             let mut width = vec![1.0; padded];
             width[0] = 0.5;
@@ -55,72 +89,111 @@ impl GridConstraints {
         Self {
             grid,
             fabric: *fabric,
-            cell_mask,
-            removed: None,
+            cell_mask: whole_cells(topology, &grid),
+            worn: None,
+            patch: Patch::new(topology, fabric).map(Box::new),
+            woven: None,
             row_width: widths(rows, rows.next_multiple_of(LANES)),
             column_width: widths(columns, stride),
-            rows_position: Soa3::zeros(stride * LANES),
-            rows_inverse_mass: vec![0.0; stride * LANES],
-            rows_moved: Soa3::zeros(stride * LANES),
-            rows_load: vec![0.0; stride * LANES],
+            work: Work::new(rows.max(columns)),
             weft_lambda: vec![0.0; rows.next_multiple_of(LANES) * columns],
             warp_lambda: vec![0.0; stride * rows],
-            elimination: Elimination::new(rows.max(columns)),
             stress: Stress::new(&grid),
+        }
+    }
+
+    /// Takes over that the cloth was taken apart.
+    pub fn follow(&mut self, topology: &Topology) {
+        self.cell_mask = whole_cells(topology, &self.grid);
+        self.patch = Patch::new(topology, &self.fabric).map(Box::new);
+    }
+
+    /// Makes ready to be asked for forces, or gives back what that takes.
+    pub fn prepare_forces(&mut self, topology: &Topology, wanted: bool) {
+        self.woven = if wanted { Woven::new(topology, &self.fabric).map(Box::new) } else { None };
+    }
+
+    /// Takes over what became of the particles; `None` makes all as good as new.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        let grid = self.grid;
+        match wear {
+            Some(wear) => self.worn.get_or_insert_with(|| Box::new(WornGrid::new(&grid))).update(&grid, wear),
+            None => self.worn = None,
+        }
+        for (row, column) in grid.cells() {
+            let corners = grid.cell(row, column);
+            let mask = &mut self.cell_mask[corners[0] as usize];
+            if *mask > 0.0 {
+                *mask = wear.map_or(1.0, |wear| wear.of_cell(corners).sqrt());
+            }
+        }
+        if let Some(patch) = &mut self.patch {
+            patch.wear(wear);
         }
     }
 
     pub fn count(&self) -> usize {
         let (columns, rows) = (self.grid.columns as usize, self.grid.rows as usize);
-        let cells = (columns - 1) * (rows - 1);
-        let mut count = columns * (rows - 1) + rows * (columns - 1);
-        count += if self.fabric.shear > 0.0 { cells } else { 0 };
-        count += if self.twist_stiffness() > 0.0 { cells } else { 0 };
-        let (links, [bends_weft, bends_warp]) = self.removed.as_ref().map_or((0, [0; 2]), |removed| removed.count());
-        count += if self.fabric.bend_warp > 0.0 { columns * (rows - 2) - bends_warp } else { 0 };
-        count += if self.fabric.bend_weft > 0.0 { rows * (columns - 2) - bends_weft } else { 0 };
-        count - links
+        let of_cell = usize::from(self.fabric.shear > 0.0) + usize::from(self.twist_stiffness() > 0.0);
+        let (bends_weft, bends_warp) = (self.fabric.bend_weft > 0.0, self.fabric.bend_warp > 0.0);
+        let cells = self.cell_mask.iter().filter(|mask| **mask > 0.0).count() * of_cell;
+        let regular = |along, runs: usize, count: usize, bends: bool| {
+            let links = count - 1 + if bends { count - 2 } else { 0 };
+            (0..runs).filter(|run| self.is_regular(along, *run)).count() * links
+        };
+        let regular = regular(Along::Weft, rows, columns, bends_weft) + regular(Along::Warp, columns, rows, bends_warp);
+        cells + regular + self.patch.as_ref().map_or(0, |patch| patch.count(of_cell, bends_weft, bends_warp))
     }
 
-    /// Removes the link between two slots, and the bends over it; `false` if there is none.
-    pub fn remove_link(&mut self, a: u32, b: u32) -> bool {
+    /// Whether the row or column `run` is solved where it lies.
+    fn is_regular(&self, along: Along, run: usize) -> bool {
+        self.patch.as_ref().is_none_or(|patch| patch.is_regular(along, run))
+    }
+
+    /// The links of rows and columns and of what was taken apart: ends, λ of the last substep, N·s², and 1/width in spacings.
+    pub fn links(&self, along: Along) -> impl Iterator<Item = ([u32; 2], f32, f32)> + '_ {
+        let (runs, count, of, width) = match along {
+            Along::Weft => (self.grid.rows, self.grid.columns, &self.weft_lambda, &self.row_width),
+            Along::Warp => (self.grid.columns, self.grid.rows, &self.warp_lambda, &self.column_width),
+        };
         let grid = self.grid;
-        self.removed.get_or_insert_with(|| Box::new(Removed::new(&grid))).remove(&grid, a, b)
+        let slot = move |run, k| match along {
+            Along::Weft => grid.slot(run, k),
+            Along::Warp => grid.slot(k, run),
+        };
+        let regular = (0..runs).filter(move |run| self.is_regular(along, *run as usize)).flat_map(move |run| {
+            (0..count - 1).map(move |k| {
+                let lambda = of[super::wear::index(run as usize, count as usize, k as usize)];
+                ([slot(run, k), slot(run, k + 1)], lambda, 1.0 / width[run as usize])
+            })
+        });
+        regular.chain(self.patch.iter().flat_map(move |patch| patch.links(along)))
     }
 
-    /// Whether link `k` of run `run`, of `count` particles, is gone.
-    pub fn is_gone(&self, along: Along, run: usize, count: usize, k: usize) -> bool {
-        self.removed.as_ref().is_some_and(|removed| removed.is_gone(along, run, count, k))
+    /// Adds the tension of the links along `along`, `scale` times λ, weighed by width, to both their ends.
+    pub fn add_tensions(&self, along: Along, scale: f32, to: &mut [(f32, f32)]) {
+        for (ends, lambda, narrow) in self.links(along) {
+            for slot in ends {
+                let (sum, width) = &mut to[slot as usize];
+                *sum += scale * lambda;
+                *width += 1.0 / narrow;
+            }
+        }
     }
 
     /// Root mean square of what the last substep, of length `h`, left of `C + α̃ λ` in the links along warp and weft, in
     /// rest lengths.
     pub fn residual(&self, particles: &Particles, h: f32) -> f32 {
-        let (columns, rows) = (self.grid.columns as usize, self.grid.rows as usize);
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        let compliance = |along: f32, across: f32, stiffness: f32| along / (stiffness * across * h * h);
-        let weft = compliance(a, b, self.fabric.stretch_weft);
-        let warp = compliance(b, a, self.fabric.stretch_warp);
-        let at = |row: usize, column: usize| particles.position.get(row * self.grid.stride as usize + column);
-        // The multiplier of link k of run `run`: blocks of eight runs, eight lanes per link.
-        let lambda =
-            |of: &[f32], run: usize, count: usize, k: usize| of[(run / LANES * count + k) * LANES + run % LANES];
-        let mut sum = 0.0_f64;
-        let mut add = |length: f32, rest: f32, slack: f32| sum += f64::from((length - rest + slack) / rest).powi(2);
-        for row in 0..rows {
-            for k in (0..columns - 1).filter(|k| !self.is_gone(Along::Weft, row, columns, *k)) {
-                let slack = weft / self.row_width[row] * lambda(&self.weft_lambda, row, columns, k);
-                add(at(row, k).distance(at(row, k + 1)), a, slack);
+        let (mut sum, mut count) = (0.0_f64, 0);
+        for along in [Along::Weft, Along::Warp] {
+            let Stiffness { stretch, spacing, .. } = self.stiffness(along, h);
+            for ([a, b], lambda, narrow) in self.links(along) {
+                let length = particles.position.get(a as usize).distance(particles.position.get(b as usize));
+                sum += f64::from((length - spacing + stretch * narrow * lambda) / spacing).powi(2);
+                count += 1;
             }
         }
-        for column in 0..columns {
-            for k in (0..rows - 1).filter(|k| !self.is_gone(Along::Warp, column, rows, *k)) {
-                let slack = warp / self.column_width[column] * lambda(&self.warp_lambda, column, rows, k);
-                add(at(k, column).distance(at(k + 1, column)), b, slack);
-            }
-        }
-        let gone = self.removed.as_ref().map_or(0, |removed| removed.count().0);
-        (sum / (rows * (columns - 1) + columns * (rows - 1) - gone) as f64).sqrt() as f32
+        (sum / f64::from(count.max(1))).sqrt() as f32
     }
 
     /// Bending stiffness against twist, N·m: the mean of warp and weft.
@@ -128,53 +201,66 @@ impl GridConstraints {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)
     }
 
+    /// α̃ of the runs along `along` in a substep of length `h`.
+    fn stiffness(&self, along: Along, h: f32) -> Stiffness {
+        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
+        let Fabric { stretch_weft, stretch_warp, bend_weft, bend_warp, .. } = self.fabric;
+        let (stretch, bend, along, across) = match along {
+            Along::Weft => (stretch_weft, bend_weft, a, b),
+            Along::Warp => (stretch_warp, bend_warp, b, a),
+        };
+        Stiffness {
+            stretch: along / (stretch * across * h * h),
+            bend: (bend > 0.0).then(|| along * along * along / (bend * across * h * h)),
+            spacing: along,
+        }
+    }
+
     /// Swept in colours: of XPBD once, of PBD, which knows no compliance, as often as asked.
     #[inline(always)]
     pub fn sweep<S: Simd>(&mut self, simd: S, particles: &mut Particles, how: Sweep) {
         let shears = self.fabric.shear > 0.0;
-        let model = match how {
+        let (model, weft, warp) = match how {
             Sweep::Compliant { h } => {
-                let compliance = 1.0 / (self.fabric.shear * h * h * self.grid.spacing.x * self.grid.spacing.y);
-                let shear = if shears { ShearModel::Constraint(compliance) } else { ShearModel::None };
-                CellModel { shear, twist: self.twist_compliance(h) }
+                let shear = if shears { ShearModel::Constraint(self.shear_compliance(h)) } else { ShearModel::None };
+                let model = CellModel { shear, twist: self.twist_compliance(h) };
+                (model, Some(self.stiffness(Along::Weft, h)), Some(self.stiffness(Along::Warp, h)))
             }
             // Not quite 0, for which cells that are all pinned or not there would have no solution.
             Sweep::Rigid => {
-                CellModel { shear: if shears { ShearModel::Constraint(1e-20) } else { ShearModel::None }, twist: None }
+                let shear = if shears { ShearModel::Constraint(1e-20) } else { ShearModel::None };
+                (CellModel { shear, twist: None }, None, None)
             }
         };
         self.solve_cells(simd, particles, model);
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES) {
-            gather(simd, &particles.position, &mut self.rows_position, rows, first);
-            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
-            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
-            let bends = self.fabric.bend_weft > 0.0;
-            let compliance = match how {
-                Sweep::Rigid => None,
-                Sweep::Compliant { h } => Some(Compliance {
-                    stretch: self.stretch_weft_compliance(simd, first, h),
-                    bend: if bends { Some(self.bend_weft_compliance(simd, first, h)) } else { None },
-                }),
-            };
-            let gone = gone(&self.removed, Along::Weft, first, block);
-            let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
-            sweep_block(simd, block, x, moved, w, compliance, gone);
-            scatter(simd, moved, &mut particles.moved, rows, first);
+        if let Some(patch) = &mut self.patch {
+            let h = if let Sweep::Compliant { h } = how { h } else { f32::MAX.sqrt() };
+            patch.solve_loose(simd, particles, &self.grid, model, h);
         }
-        let Particles { position, moved, inverse_mass, .. } = particles;
+        let (rows, block) = (self.rows(), self.row_block());
+        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
+            self.work.gather_rows(simd, particles, rows, first);
+            let worn = worn(&self.worn, Along::Weft, first, block);
+            let compliance = weft.map(|weft| compliance(simd, weft, &self.row_width, first));
+            let Work { position, moved, inverse_mass, .. } = &mut self.work;
+            sweep::block(simd, block, position, moved, inverse_mass, compliance, worn);
+            scatter(simd, &self.work.moved, &mut particles.moved, rows, first);
+        }
+        if let Some(patch) = &mut self.patch {
+            patch.sweep(simd, Along::Weft, particles, weft, self.grid.spacing.x, &mut self.work);
+        }
         for base in (0..self.grid.stride as usize).step_by(LANES) {
-            let bends = self.fabric.bend_warp > 0.0;
-            let compliance = match how {
-                Sweep::Rigid => None,
-                Sweep::Compliant { h } => Some(Compliance {
-                    stretch: self.stretch_warp_compliance(simd, base, h),
-                    bend: if bends { Some(self.bend_warp_compliance(simd, base, h)) } else { None },
-                }),
-            };
+            if !is_block(&self.patch, Along::Warp, base) {
+                continue;
+            }
             let block = self.column_block(base);
-            let gone = gone(&self.removed, Along::Warp, base, block);
-            sweep_block(simd, block, position, moved, inverse_mass, compliance, gone);
+            let worn = worn(&self.worn, Along::Warp, base, block);
+            let compliance = warp.map(|warp| compliance(simd, warp, &self.column_width, base));
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            sweep::block(simd, block, position, moved, inverse_mass, compliance, worn);
+        }
+        if let Some(patch) = &mut self.patch {
+            patch.sweep(simd, Along::Warp, particles, warp, self.grid.spacing.y, &mut self.work);
         }
     }
 
@@ -189,12 +275,24 @@ impl GridConstraints {
         let model = if shear > 0.0 { ShearModel::Stress(&stress.lambda) } else { ShearModel::None };
         self.solve_cells(simd, particles, CellModel { shear: model, twist: self.twist_compliance(h) });
         self.stress = stress;
-        let weft = self.solve_rows(simd, particles, h);
-        let warp = self.solve_columns(simd, particles, h);
-        if weft > lines::EXPLICIT_LOAD {
+        let listed = if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(h)) } else { ShearModel::None };
+        let listed = CellModel { shear: listed, twist: self.twist_compliance(h) };
+        if let Some(patch) = &mut self.patch {
+            patch.solve_loose(simd, particles, &self.grid, listed, h);
+        }
+        let (weft, warp) = (self.stiffness(Along::Weft, h), self.stiffness(Along::Warp, h));
+        let mut weft_load = self.solve_rows(simd, particles, weft);
+        if let Some(patch) = &mut self.patch {
+            weft_load = weft_load.max(patch.solve(simd, Along::Weft, particles, weft, &mut self.work));
+        }
+        let mut warp_load = self.solve_columns(simd, particles, warp);
+        if let Some(patch) = &mut self.patch {
+            warp_load = warp_load.max(patch.solve(simd, Along::Warp, particles, warp, &mut self.work));
+        }
+        if weft_load > lines::EXPLICIT_LOAD {
             self.soften_rows(simd, particles);
         }
-        if warp > lines::EXPLICIT_LOAD {
+        if warp_load > lines::EXPLICIT_LOAD {
             self.soften_columns(simd, particles);
         }
     }
@@ -202,27 +300,38 @@ impl GridConstraints {
     #[inline(always)]
     fn soften_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
         let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES) {
-            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
-            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
-            let lambda = links(&mut self.weft_lambda, block, first);
-            let (moved, w) = (&mut self.rows_moved, &self.rows_inverse_mass);
-            lines::soften(simd, block, moved, w, lambda, &mut self.elimination);
+        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
+            let Work { moved, inverse_mass, load: inertia, elimination, .. } = &mut self.work;
+            gather(simd, &particles.moved, moved, rows, first);
+            lines::gather_rows(simd, &particles.inverse_mass, inverse_mass, rows, first);
+            let lambda = multipliers(&mut self.weft_lambda, block, first);
+            lines::soften(simd, block, moved, inverse_mass, lambda, elimination);
             scatter(simd, moved, &mut particles.moved, rows, first);
-            self.rows_load.fill(0.0);
-            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), &mut self.rows_load);
-            lines::scatter_rows(simd, &self.rows_load, &mut particles.load, rows, first);
+            inertia.fill(0.0);
+            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
+            lines::scatter_rows(simd, inertia, &mut particles.load, rows, first);
+        }
+        if let Some(patch) = &self.patch {
+            let spacing = self.grid.spacing.x;
+            patch.soften(simd, Along::Weft, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
         }
     }
 
     #[inline(always)]
     fn soften_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        let Particles { moved, inverse_mass, load: inertia, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
+            if !is_block(&self.patch, Along::Warp, base) {
+                continue;
+            }
             let block = self.column_block(base);
-            let lambda = links(&mut self.warp_lambda, block, base);
-            lines::soften(simd, block, moved, inverse_mass, lambda, &mut self.elimination);
+            let lambda = multipliers(&mut self.warp_lambda, block, base);
+            let Particles { moved, inverse_mass, load: inertia, .. } = &mut *particles;
+            lines::soften(simd, block, moved, inverse_mass, lambda, &mut self.work.elimination);
             lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
+        }
+        if let Some(patch) = &self.patch {
+            let spacing = self.grid.spacing.y;
+            patch.soften(simd, Along::Warp, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
         }
     }
 
@@ -232,6 +341,11 @@ impl GridConstraints {
         if !matches!(model.shear, ShearModel::None) || model.twist.is_some() {
             Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position, moved);
         }
+    }
+
+    /// α̃ of the cells against shear.
+    fn shear_compliance(&self, h: f32) -> f32 {
+        1.0 / (self.fabric.shear * h * h * self.grid.spacing.x * self.grid.spacing.y)
     }
 
     /// α̃ of the cells against twist, if the fabric resists it.
@@ -253,52 +367,19 @@ impl GridConstraints {
         Block { base, stride, count, spacing: self.grid.spacing.y }
     }
 
-    /// l/(Y width h²), for eight rows.
-    #[inline(always)]
-    fn stretch_weft_compliance<S: Simd>(&self, simd: S, first: usize, h: f32) -> f32x8<S> {
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, a / (self.fabric.stretch_weft * b * h * h)) / load(simd, &self.row_width, first)
-    }
-
-    /// l/(Y width h²), for eight columns.
-    #[inline(always)]
-    fn stretch_warp_compliance<S: Simd>(&self, simd: S, base: usize, h: f32) -> f32x8<S> {
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, b / (self.fabric.stretch_warp * a * h * h)) / load(simd, &self.column_width, base)
-    }
-
-    /// l³/(D width h²), for eight rows.
-    #[inline(always)]
-    fn bend_weft_compliance<S: Simd>(&self, simd: S, first: usize, h: f32) -> f32x8<S> {
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, a * a * a / (self.fabric.bend_weft * b * h * h)) / load(simd, &self.row_width, first)
-    }
-
-    /// l³/(D width h²), for eight columns.
-    #[inline(always)]
-    fn bend_warp_compliance<S: Simd>(&self, simd: S, base: usize, h: f32) -> f32x8<S> {
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        splat(simd, b * b * b / (self.fabric.bend_warp * a * h * h)) / load(simd, &self.column_width, base)
-    }
-
     /// Bending and stretch along the weft.
     #[inline(always)]
-    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
+    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
         let mut largest = splat(simd, 0.0);
         let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES) {
-            gather(simd, &particles.position, &mut self.rows_position, rows, first);
-            gather(simd, &particles.moved, &mut self.rows_moved, rows, first);
-            lines::gather_rows(simd, &particles.inverse_mass, &mut self.rows_inverse_mass, rows, first);
-            let stretch = self.stretch_weft_compliance(simd, first, h);
-            let bend = (self.fabric.bend_weft > 0.0).then(|| self.bend_weft_compliance(simd, first, h));
-            let (x, moved, w) = (&self.rows_position, &mut self.rows_moved, &self.rows_inverse_mass);
-            let gone = gone(&self.removed, Along::Weft, first, block);
-            if let Some(compliance) = bend {
-                lines::bend(simd, block, x, moved, w, compliance, gone, &mut self.elimination);
-            }
-            let lambda = links(&mut self.weft_lambda, block, first);
-            let load_ratio = lines::stretch(simd, block, x, moved, w, stretch, gone, lambda, &mut self.elimination);
+        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
+            self.work.gather_rows(simd, particles, rows, first);
+            let compliance = compliance(simd, stiffness, &self.row_width, first);
+            let worn = worn(&self.worn, Along::Weft, first, block);
+            let lambda = multipliers(&mut self.weft_lambda, block, first);
+            let Work { position, moved, inverse_mass, elimination, .. } = &mut self.work;
+            let load_ratio =
+                lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, elimination);
             largest = largest.max(load_ratio);
             scatter(simd, moved, &mut particles.moved, rows, first);
         }
@@ -307,73 +388,66 @@ impl GridConstraints {
 
     /// Bending and stretch along the warp.
     #[inline(always)]
-    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) -> f32 {
+    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
         let mut largest = splat(simd, 0.0);
-        let Particles { position, moved, inverse_mass, .. } = particles;
         for base in (0..self.grid.stride as usize).step_by(LANES) {
-            let block = self.column_block(base);
-            let gone = gone(&self.removed, Along::Warp, base, block);
-            let bend = self.bend_warp_compliance(simd, base, h);
-            let stretch = self.stretch_warp_compliance(simd, base, h);
-            let (lambda, work) = (links(&mut self.warp_lambda, block, base), &mut self.elimination);
-            if self.fabric.bend_warp > 0.0 {
-                lines::bend(simd, block, position, moved, inverse_mass, bend, gone, work);
+            if !is_block(&self.patch, Along::Warp, base) {
+                continue;
             }
-            let load_ratio = lines::stretch(simd, block, position, moved, inverse_mass, stretch, gone, lambda, work);
+            let block = self.column_block(base);
+            let compliance = compliance(simd, stiffness, &self.column_width, base);
+            let worn = worn(&self.worn, Along::Warp, base, block);
+            let lambda = multipliers(&mut self.warp_lambda, block, base);
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            let work = &mut self.work.elimination;
+            let load_ratio = lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, work);
             largest = largest.max(load_ratio);
         }
         largest.reduce_max()
     }
 }
 
-/// What is removed of the links along `along` of the block that starts with run `first`.
-fn gone(removed: &Option<Box<Removed>>, along: Along, first: usize, block: Block) -> Gone<'_> {
-    removed.as_ref().map_or(Gone::NONE, |removed| removed.block(along, first, block))
+/// 1 for each cell of a rectangle that lies where it was made, per slot of its upper left corner, else 0.
+fn whole_cells(topology: &Topology, grid: &Grid) -> Vec<f32> {
+    let mut mask = vec![0.0; (grid.rows * grid.stride) as usize + 2 * LANES];
+    for (row, column) in grid.cells() {
+        let corners = grid.cell(row, column);
+        if topology.cell(grid, row, column) == Some(corners) {
+            mask[corners[0] as usize] = 1.0;
+        }
+    }
+    mask
 }
 
-/// How a grid is swept.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Sweep {
-    /// With the fabric's compliance, in a substep of length `h`, s.
-    Compliant { h: f32 },
-    /// Without any: distances to neighbours, right angles, and distances to the neighbours but one against bending.
-    Rigid,
+/// Whether the block that starts with run `first` is solved where it lies.
+fn is_block(patch: &Option<Box<Patch>>, along: Along, first: usize) -> bool {
+    patch.as_ref().is_none_or(|patch| patch.is_regular(along, first))
 }
 
-/// α̃ of eight runs; no bending if the fabric does not resist it.
-struct Compliance<S: Simd> {
-    stretch: f32x8<S>,
-    bend: Option<f32x8<S>>,
+/// What became of the links along `along` of the block that starts with run `first`.
+fn worn(worn: &Option<Box<WornGrid>>, along: Along, first: usize, block: Block) -> Option<Worn<'_>> {
+    worn.as_ref().map(|worn| worn.block(along, first, block))
 }
 
-/// Sweeps eight runs, rigidly without compliance.
+/// α̃ of eight runs of the widths from `first` on.
 #[inline(always)]
-fn sweep_block<S: Simd>(
-    simd: S,
-    block: Block,
-    position: &Soa3,
-    moved: &mut Soa3,
-    inverse_mass: &[f32],
-    compliance: Option<Compliance<S>>,
-    gone: Gone<'_>,
-) {
-    match compliance {
-        Some(Compliance { stretch, bend }) => {
-            if let Some(bend) = bend {
-                sweep::bend(simd, block, position, moved, inverse_mass, bend, gone);
-            }
-            sweep::stretch(simd, block, position, moved, inverse_mass, stretch, gone);
-        }
-        None => {
-            let rigid = splat(simd, 0.0);
-            for from in 0..2 {
-                let (block, gone) = (block.every_second(from), gone.every_second(from));
-                if block.count > 1 {
-                    sweep::stretch(simd, block, position, moved, inverse_mass, rigid, gone);
-                }
-            }
-            sweep::stretch(simd, block, position, moved, inverse_mass, rigid, gone);
-        }
+fn compliance<S: Simd>(simd: S, stiffness: Stiffness, width: &[f32], first: usize) -> Compliance<S> {
+    let (width, one) = (load(simd, width, first), stiffness.of_one_spacing(simd));
+    #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
+    let bend = match one.bend {
+        Some(bend) => Some(bend / width),
+        None => None,
+    };
+    Compliance { stretch: one.stretch / width, bend }
+}
+
+impl Work {
+    /// Eight rows into lanes.
+    #[inline(always)]
+    fn gather_rows<S: Simd>(&mut self, simd: S, particles: &Particles, rows: Rows, first: usize) {
+        gather(simd, &particles.position, &mut self.position, rows, first);
+        gather(simd, &particles.moved, &mut self.moved, rows, first);
+        lines::gather_rows(simd, &particles.inverse_mass, &mut self.inverse_mass, rows, first);
     }
 }
 
@@ -394,6 +468,12 @@ fn scatter<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usiz
 }
 
 /// The multipliers of the block that starts with row or column `first`.
-fn links(lambda: &mut [f32], block: Block, first: usize) -> &mut [f32] {
+fn multipliers(lambda: &mut [f32], block: Block, first: usize) -> &mut [f32] {
     &mut lambda[first * block.count..(first + LANES) * block.count]
+}
+
+/// The load of the largest lane.
+#[inline(always)]
+pub(super) fn largest<S: Simd>(load: f32x8<S>) -> f32 {
+    load.reduce_max()
 }

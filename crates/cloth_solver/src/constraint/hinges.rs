@@ -23,11 +23,13 @@ pub(crate) struct Hinges {
 const IDLE_COMPLIANCE: f32 = 1e30;
 
 impl Hinges {
-    pub fn new(topology: &Topology, fabric: &Fabric, padding: u32) -> Self {
-        let batches = Batches::new(&topology.hinges, topology.slots(), padding);
-        let stiffness = topology.hinge_stiffness(fabric);
-        let compliance = batches.lanes(IDLE_COMPLIANCE, |i| 1.0 / stiffness[i].max(1.0 / IDLE_COMPLIANCE));
-        let rest_angle = batches.lanes(0.0, |i| topology.hinge_rest[i]);
+    /// Of those hinges of `topology` that `which` names.
+    pub fn new(topology: &Topology, which: &[u32], fabric: &Fabric) -> Self {
+        let corners: Vec<[u32; 4]> = which.iter().map(|hinge| topology.hinges[*hinge as usize]).collect();
+        let batches = Batches::new(&corners, topology.slots(), topology.padding());
+        let stiffness = |i: usize| topology.stiffness_of(which[i] as usize, fabric);
+        let compliance = batches.lanes(IDLE_COMPLIANCE, |i| 1.0 / stiffness(i).max(1.0 / IDLE_COMPLIANCE));
+        let rest_angle = batches.lanes(0.0, |i| topology.hinge_rest[which[i] as usize]);
         Self { batches, rest_angle, compliance }
     }
 

@@ -16,7 +16,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::removed::Gone;
+use super::sweep::Compliance;
+use super::wear::{Links, New, Worn};
 use crate::Soa3;
 use crate::lanes::{LANES, Vec3x8, load, splat, store, transpose};
 
@@ -75,6 +76,37 @@ impl Elimination {
     }
 }
 
+/// Bending and stretch of each run, with the factors of its links if they are worn; multipliers and load as [`stretch`] leaves
+/// them.
+#[inline(always)]
+pub(crate) fn solve<S: Simd>(
+    simd: S,
+    block: Block,
+    position: &Soa3,
+    moved: &mut Soa3,
+    inverse_mass: &[f32],
+    compliance: Compliance<S>,
+    worn: Option<Worn<'_>>,
+    lambda: &mut [f32],
+    work: &mut Elimination,
+) -> f32x8<S> {
+    let Compliance { stretch: along, bend: across } = compliance;
+    match worn {
+        None => {
+            if let Some(across) = across {
+                bend(simd, block, position, moved, inverse_mass, across, New, work);
+            }
+            stretch(simd, block, position, moved, inverse_mass, along, New, lambda, work)
+        }
+        Some(worn) => {
+            if let Some(across) = across {
+                bend(simd, block, position, moved, inverse_mass, across, worn, work);
+            }
+            stretch(simd, block, position, moved, inverse_mass, along, worn, lambda, work)
+        }
+    }
+}
+
 /// Solves the stretch constraints `|x_{k+1} − x_k| = spacing` of each run together: one Newton step of the XPBD
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
 /// `A_kk = (w_k + w_{k+1}) p_k·p_k + α̃`, `A_{k−1,k} = −w_k p_{k−1}·p_k`, `A λ = −C`; p_k is the direction link k pulls along.
@@ -88,14 +120,14 @@ impl Elimination {
 /// `compliance` is α̃ = α/h², 1/kg. Leaves the multipliers in `lambda`, eight lanes per link, and returns the largest
 /// T h²/(m l) = −λ/(m l) of each run, m the lighter end of a link.
 #[inline(always)]
-pub(crate) fn stretch<S: Simd>(
+fn stretch<S: Simd>(
     simd: S,
     block: Block,
     position: &Soa3,
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
-    gone: Gone<'_>,
+    links: impl Links,
     lambda: &mut [f32],
     work: &mut Elimination,
 ) -> f32x8<S> {
@@ -120,6 +152,7 @@ pub(crate) fn stretch<S: Simd>(
         let before = x_next - x;
         let d = before + (moves_next - moves);
         let length = d.length();
+        let rest = links.rest(simd, k, rest);
         // A link of no length has no direction: its normal is 0, not NaN, and it gets no correction.
         let normal = d * (one / length.max(tiny));
         let before = before * (one / before.length().max(tiny));
@@ -130,7 +163,8 @@ pub(crate) fn stretch<S: Simd>(
         let off = -(w * last.dot(pull));
         let upper = off * last_inverse;
         // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
-        let inverse = one / ((w + w_next) * pull.dot(pull) + gone.link(simd, k, compliance) - off * upper).max(tiny);
+        let inverse =
+            one / ((w + w_next) * pull.dot(pull) + links.compliance(simd, k, compliance) - off * upper).max(tiny);
         let rhs = (rest - length - off * last_rhs) * inverse;
         pull.store(&mut work.vector, k * LANES);
         store(upper, &mut work.upper, k * LANES);
@@ -231,14 +265,14 @@ pub(crate) fn soften<S: Simd>(
 ///
 /// `compliance` is l³/(D width h²), 1/kg.
 #[inline(always)]
-pub(crate) fn bend<S: Simd>(
+fn bend<S: Simd>(
     simd: S,
     block: Block,
     position: &Soa3,
     moved: &mut Soa3,
     inverse_mass: &[f32],
     compliance: f32x8<S>,
-    gone: Gone<'_>,
+    links: impl Links,
     work: &mut Elimination,
 ) {
     let Block { base, stride, count, .. } = block;
@@ -263,7 +297,7 @@ pub(crate) fn bend<S: Simd>(
         // The factors below the diagonal times their pivots; the nearer one, which is negative, with its sign turned.
         let near = two * (w0 + w1) * inner - far * near1;
         let (near_factor, far_factor) = (near * inverse1, far * inverse2);
-        let pivot = w0 + two * two * w1 + w2 + gone.bend(simd, k, compliance) - near_factor * near - far_factor * far;
+        let pivot = w0 + two * two * w1 + w2 + links.bend(simd, k, compliance) - near_factor * near - far_factor * far;
         let inverse = one / pivot;
         let curl = edge - edge_next;
         let y = curl + y1 * near_factor - y2 * far_factor;

@@ -10,29 +10,33 @@ use crate::{Fabric, Particles, Topology};
 /// What keeps a mesh of fabric together.
 #[derive(Clone, Debug)]
 pub(super) struct MeshConstraints {
-    triangles: Triangles,
+    pub triangles: Triangles,
     hinges: Option<Hinges>,
-    fabric: Fabric,
+    pub fabric: Fabric,
     /// Only for methods that step forces.
     pub forces: Option<Box<MeshForces>>,
 }
 
 impl MeshConstraints {
     pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        let padding = topology.slots().saturating_sub(1) as u32;
+        let all = |count: usize| (0..count as u32).collect::<Vec<_>>();
         let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
         Self {
-            triangles: Triangles::new(topology, fabric, padding),
+            triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
             fabric: *fabric,
             forces: None,
-            hinges: (bends && !topology.hinges.is_empty()).then(|| Hinges::new(topology, fabric, padding)),
+            hinges: (bends && !topology.hinges.is_empty())
+                .then(|| Hinges::new(topology, &all(topology.hinges.len()), fabric)),
         }
     }
 
     /// Makes ready to be asked for forces, or gives back what that takes.
     pub fn prepare_forces(&mut self, topology: &Topology, wanted: bool) {
         if wanted != self.forces.is_some() {
-            self.forces = wanted.then(|| Box::new(MeshForces::new(topology, &self.fabric)));
+            self.forces = wanted.then(|| {
+                let all = (0..topology.triangles.len() as u32).collect();
+                Box::new(MeshForces::new(topology, all, &self.fabric))
+            });
         }
     }
 
@@ -42,7 +46,7 @@ impl MeshConstraints {
     }
 
     #[inline(always)]
-    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
         if let Some(hinges) = &self.hinges {
             hinges.solve(simd, particles, h);
         }

@@ -1,6 +1,6 @@
 //! The constraints of one cloth, one file per kind, and the order in which a substep solves them.
 
-mod batch;
+pub(crate) mod batch;
 mod cells;
 mod damping;
 mod force;
@@ -8,22 +8,28 @@ mod grab;
 mod grid;
 mod hinges;
 mod lines;
+mod listed;
 mod mesh;
+mod patch;
 mod pin;
-mod removed;
 mod shear;
 mod sweep;
+mod tension;
 mod tether;
 mod triangles;
+mod wear;
 
 pub use grab::Grab;
 pub use pin::{Pin, Pins};
+pub use tension::Tensions;
+pub use wear::Wear;
 
 use fearless_simd::dispatch;
 
 use crate::cloth::Substep;
 use crate::lanes::LEVEL;
 use crate::method::Method;
+use crate::topology::{Change, Pieces};
 use crate::{ClothError, Fabric, Particles, Soa3, Topology};
 use grid::{GridConstraints, Sweep};
 use mesh::MeshConstraints;
@@ -40,6 +46,9 @@ pub struct Constraints {
     surface: Surface,
     /// Rate of internal friction, 1/s.
     damping: f32,
+    /// What the cloth consists of, if it is more than one piece.
+    pieces: Option<Pieces>,
+    bodies: Vec<damping::Body>,
     method: Method,
     /// Working memory of the methods that step forces.
     pub(crate) explicit: crate::method::explicit::Scratch,
@@ -62,14 +71,17 @@ impl Constraints {
             Some(grid) => Surface::Grid(Box::new(GridConstraints::new(grid, topology, fabric))),
             None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric))),
         };
-        Ok(Self { surface, damping: fabric.damping, ..Self::default() })
+        let pieces = topology.weave.is_some().then(|| topology.pieces());
+        Ok(Self { surface, damping: fabric.damping, pieces, ..Self::default() })
     }
 
     /// Advances with `method` from now on. `topology` is the one the constraints were made for.
     pub fn set_method(&mut self, topology: &Topology, method: Method) {
         self.method = method;
-        if let Surface::Mesh(mesh) = &mut self.surface {
-            mesh.prepare_forces(topology, method.steps_forces());
+        match &mut self.surface {
+            Surface::Grid(grid) => grid.prepare_forces(topology, method.steps_forces()),
+            Surface::Mesh(mesh) => mesh.prepare_forces(topology, method.steps_forces()),
+            Surface::Empty => {}
         }
     }
 
@@ -124,13 +136,40 @@ impl Constraints {
         self.tethers = slack.map(|slack| Tethers::new(topology, pinned, slack));
     }
 
-    /// Removes the link along warp or weft between two neighbouring particles of a rectangle, and its bending with the next
-    /// ones; `false` if there is none. Shear and twist of the cells on both sides stay, and so does what the topology says:
-    /// triangles, measures.
-    pub fn remove_link(&mut self, a: u32, b: u32) -> bool {
+    /// Takes over that the cloth, which is `now` of this topology, was taken apart. Pins stay with the particles they were
+    /// on, and are gone with them; tethers whose way along the cloth has become longer are gone.
+    pub(crate) fn follow(&mut self, now: &Topology, change: &Change) {
+        self.pins.pins.retain(|pin| !change.gone.contains(&pin.particle));
+        self.grabs.clear();
+        let pieces = now.pieces();
+        self.pieces = (pieces.triangles.len() > 1).then_some(pieces);
         match &mut self.surface {
-            Surface::Grid(grid) => grid.remove_link(a, b),
-            Surface::Mesh(_) | Surface::Empty => false,
+            Surface::Grid(grid) => {
+                grid.follow(now);
+                grid.prepare_forces(now, self.method.steps_forces());
+            }
+            Surface::Mesh(mesh) => {
+                let (forces, watched) = (mesh.forces.is_some(), mesh.triangles.is_watched());
+                **mesh = MeshConstraints::new(now, &mesh.fabric);
+                mesh.prepare_forces(now, forces);
+                if watched {
+                    mesh.triangles.watch();
+                }
+            }
+            Surface::Empty => {}
+        }
+        if let Some(tethers) = &mut self.tethers {
+            tethers.follow(now);
+        }
+    }
+
+    /// Takes over how worn the fabric is around each particle; `None` makes it as good as new. To be told again once the
+    /// cloth was taken apart. Methods that step forces take no notice.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        match &mut self.surface {
+            Surface::Grid(grid) => grid.wear(wear),
+            Surface::Mesh(mesh) => mesh.triangles.wear(wear),
+            Surface::Empty => {}
         }
     }
 
@@ -212,9 +251,9 @@ impl Constraints {
     }
 
     /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
-    pub(crate) fn damp(&self, particles: &mut Particles, dt: f32) {
+    pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
-            damping::damp(particles, self.damping, dt);
+            damping::damp(particles, self.pieces.as_ref(), &mut self.bodies, self.damping, dt);
         }
     }
 }

@@ -13,8 +13,10 @@ use crate::{Particles, Topology};
 struct Tether {
     particle: u32,
     anchor: u32,
-    /// Length of the way between them along the edges at rest, m.
+    /// Straight distance between them at rest, m.
     length: f32,
+    /// Length of the way between them along the edges at rest, m.
+    way: f32,
 }
 
 /// The tethers of a cloth: each free particle to the pinned particle nearest along the cloth.
@@ -27,43 +29,29 @@ pub(crate) struct Tethers {
 impl Tethers {
     /// `slack` is the strain allowed before a tether acts, 0 or more.
     pub fn new(topology: &Topology, pinned: impl Iterator<Item = u32>, slack: f32) -> Self {
-        let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); topology.slots()];
-        for &[a, b] in &topology.edges {
-            let length = topology.rest[a as usize].distance(topology.rest[b as usize]);
-            neighbours[a as usize].push((b, length));
-            neighbours[b as usize].push((a, length));
-        }
-        // Dijkstra from all pins at once; non-negative floats order like their bits.
-        let mut nearest = vec![(f32::INFINITY, u32::MAX); topology.slots()];
-        let mut queue = BinaryHeap::new();
-        for anchor in pinned {
-            nearest[anchor as usize] = (0.0, anchor);
-            queue.push(Reverse((0_u32, anchor)));
-        }
-        while let Some(Reverse((bits, at))) = queue.pop() {
-            let (distance, anchor) = nearest[at as usize];
-            if distance.to_bits() != bits {
-                continue;
-            }
-            for &(next, length) in &neighbours[at as usize] {
-                if distance + length < nearest[next as usize].0 {
-                    nearest[next as usize] = (distance + length, anchor);
-                    queue.push(Reverse(((distance + length).to_bits(), next)));
-                }
-            }
-        }
+        let nearest = ways(topology, pinned);
         let tethers = nearest
             .iter()
             .enumerate()
             .filter(|(_, (distance, _))| distance.is_finite() && *distance > 0.0)
-            .map(|(i, &(_, anchor))| {
+            .map(|(i, &(way, anchor))| {
                 // The way along mesh edges zigzags; the straight distance at rest is what flat fabric allows, and the
                 // way along the edges is never shorter.
                 let length = topology.rest[i].distance(topology.rest[anchor as usize]);
-                Tether { particle: i as u32, anchor, length }
+                Tether { particle: i as u32, anchor, length, way }
             })
             .collect();
         Self { tethers, slack }
+    }
+
+    /// Takes over that the cloth was taken apart: what holds over a crack, so that the way along the cloth has become longer
+    /// or is no more, is gone.
+    pub fn follow(&mut self, now: &Topology) {
+        let mut anchors: Vec<u32> = self.tethers.iter().map(|tether| tether.anchor).collect();
+        anchors.sort_unstable();
+        anchors.dedup();
+        let nearest = ways(now, anchors.into_iter());
+        self.tethers.retain(|tether| nearest[tether.particle as usize].0 <= tether.way);
     }
 
     /// Number of tethers.
@@ -83,4 +71,34 @@ impl Tethers {
             }
         }
     }
+}
+
+/// For each slot the length of the shortest way along the edges to one of the pinned particles, m, and that particle.
+fn ways(topology: &Topology, pinned: impl Iterator<Item = u32>) -> Vec<(f32, u32)> {
+    let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); topology.slots()];
+    for &[a, b] in &topology.edges {
+        let length = topology.rest[a as usize].distance(topology.rest[b as usize]);
+        neighbours[a as usize].push((b, length));
+        neighbours[b as usize].push((a, length));
+    }
+    // Dijkstra from all pins at once; non-negative floats order like their bits.
+    let mut nearest = vec![(f32::INFINITY, u32::MAX); topology.slots()];
+    let mut queue = BinaryHeap::new();
+    for anchor in pinned {
+        nearest[anchor as usize] = (0.0, anchor);
+        queue.push(Reverse((0_u32, anchor)));
+    }
+    while let Some(Reverse((bits, at))) = queue.pop() {
+        let (distance, anchor) = nearest[at as usize];
+        if distance.to_bits() != bits {
+            continue;
+        }
+        for &(next, length) in &neighbours[at as usize] {
+            if distance + length < nearest[next as usize].0 {
+                nearest[next as usize] = (distance + length, anchor);
+                queue.push(Reverse(((distance + length).to_bits(), next)));
+            }
+        }
+    }
+    nearest
 }

@@ -8,6 +8,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Batches, gather, gather3, scatter3};
+use super::tension::Tensions;
+use super::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, splat};
 use crate::{Fabric, Particles, Topology};
 
@@ -19,23 +21,32 @@ pub(crate) struct Triangles {
     inverse_rest: Vec<[[f32; LANES]; 4]>,
     /// 1/area, 1/m².
     inverse_area: Vec<[f32; LANES]>,
+    /// Factor on the compliance and on the rest length of each, as worn.
+    worn: Option<[Vec<[f32; LANES]>; 2]>,
+    /// Multipliers of weft and warp of the last solve, if anybody asked for them.
+    lambda: Option<Vec<[[f32; LANES]; 2]>>,
     stretch_weft: f32,
     stretch_warp: f32,
     shear: f32,
 }
 
 impl Triangles {
-    pub fn new(topology: &Topology, fabric: &Fabric, padding: u32) -> Self {
-        let batches = Batches::new(&topology.triangles, topology.slots(), padding);
-        let entry = |pick: fn(glam::Mat2) -> f32| batches.lanes(0.0, |i| pick(topology.triangle_rest[i].inverse()));
+    /// Of those triangles of `topology` that `which` names.
+    pub fn new(topology: &Topology, which: &[u32], fabric: &Fabric) -> Self {
+        let corners: Vec<[u32; 3]> = which.iter().map(|triangle| topology.triangles[*triangle as usize]).collect();
+        let rest = |i: usize| topology.triangle_rest[which[i] as usize];
+        let batches = Batches::new(&corners, topology.slots(), topology.padding());
+        let entry = |pick: fn(glam::Mat2) -> f32| batches.lanes(0.0, |i| pick(rest(i).inverse()));
         let (m0, m1) = (entry(|m| m.x_axis.x), entry(|m| m.x_axis.y));
         let (m2, m3) = (entry(|m| m.y_axis.x), entry(|m| m.y_axis.y));
         let inverse_rest = (0..batches.groups.len()).map(|g| [m0[g], m1[g], m2[g], m3[g]]).collect();
-        let inverse_area = batches.lanes(1.0, |i| 2.0 / topology.triangle_rest[i].determinant());
+        let inverse_area = batches.lanes(1.0, |i| 2.0 / rest(i).determinant());
         Self {
             batches,
             inverse_rest,
             inverse_area,
+            worn: None,
+            lambda: None,
             stretch_weft: fabric.stretch_weft,
             stretch_warp: fabric.stretch_warp,
             shear: fabric.shear,
@@ -47,9 +58,52 @@ impl Triangles {
         self.batches.source.iter().flatten().flatten().count() * if self.shear > 0.0 { 3 } else { 2 }
     }
 
+    /// Takes over what became of the particles; `None` makes all as good as new.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        let Some(wear) = wear else {
+            self.worn = None;
+            return;
+        };
+        let (batches, one) = (&self.batches, vec![[1.0; LANES]; self.batches.groups.len()]);
+        let [compliance, rest] = self.worn.get_or_insert_with(|| [one.clone(), one]);
+        for (g, group) in batches.groups.iter().enumerate() {
+            for lane in (0..LANES).filter(|lane| batches.source[g][*lane].is_some()) {
+                let corners = [group[0][lane], group[1][lane], group[2][lane]];
+                (compliance[g][lane], rest[g][lane]) = wear.of_triangle(corners);
+            }
+        }
+    }
+
+    /// Keeps the multipliers from now on.
+    pub fn watch(&mut self) {
+        self.lambda.get_or_insert_with(|| vec![[[0.0; LANES]; 2]; self.batches.groups.len()]);
+    }
+
+    /// Whether it keeps the multipliers.
+    pub fn is_watched(&self) -> bool {
+        self.lambda.is_some()
+    }
+
+    /// Adds the tensions in the last solve of a substep of length `h`, weighed by area. From the second call on: the first
+    /// lets the multipliers be kept.
+    pub fn add_tensions(&mut self, h: f32, to: &mut Tensions) {
+        self.watch();
+        for (g, group) in self.batches.groups.iter().enumerate() {
+            for lane in (0..LANES).filter(|lane| self.batches.source[g][*lane].is_some()) {
+                let area = 1.0 / self.inverse_area[g][lane];
+                for (along, lambda) in self.lambda.iter().flat_map(|lambda| lambda[g].iter().enumerate()) {
+                    for corner in group {
+                        // Tension times area is −λ/h²: the area cancels out.
+                        to.add(along, corner[lane], -lambda[lane] / (h * h), area);
+                    }
+                }
+            }
+        }
+    }
+
     /// Solves every triangle once.
     #[inline(always)]
-    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
         let weft = splat(simd, 1.0 / (self.stretch_weft * h * h));
         let warp = splat(simd, 1.0 / (self.stretch_warp * h * h));
         let shear = splat(simd, 1.0 / (self.shear * h * h));
@@ -69,11 +123,19 @@ impl Triangles {
                 f32x8::simd_from(simd, m2),
                 f32x8::simd_from(simd, m3),
             ];
-            let inverse_area = f32x8::simd_from(simd, self.inverse_area[g]);
-            length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area);
-            length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area);
+            let mut inverse_area = f32x8::simd_from(simd, self.inverse_area[g]);
+            let mut rest = splat(simd, 1.0);
+            if let Some([compliance, rest_factor]) = &self.worn {
+                inverse_area *= f32x8::simd_from(simd, compliance[g]);
+                rest = f32x8::simd_from(simd, rest_factor[g]);
+            }
+            let pull_weft = length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area, rest);
+            let pull_warp = length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area, rest);
+            if let Some(lambda) = &mut self.lambda {
+                lambda[g] = [pull_weft.into(), pull_warp.into()];
+            }
             if self.shear > 0.0 {
-                angle(&mut x, &w, m, shear * inverse_area);
+                angle(simd, &mut x, &w, m, shear * inverse_area);
             }
             scatter3(x[0], moved, a);
             scatter3(x[1] - to_b, moved, b);
@@ -82,27 +144,36 @@ impl Triangles {
     }
 }
 
-/// `|e1·m0 + e2·m1| = 1`.
+/// `|e1·m0 + e2·m1| = rest`; its multiplier.
 #[inline(always)]
-fn length<S: Simd>(simd: S, x: &mut [Vec3x8<S>; 3], w: &[f32x8<S>; 3], m: [f32x8<S>; 2], compliance: f32x8<S>) {
+fn length<S: Simd>(
+    simd: S,
+    x: &mut [Vec3x8<S>; 3],
+    w: &[f32x8<S>; 3],
+    m: [f32x8<S>; 2],
+    compliance: f32x8<S>,
+    rest: f32x8<S>,
+) -> f32x8<S> {
     let tiny = splat(simd, f32::MIN_POSITIVE);
     let f = (x[1] - x[0]) * m[0] + (x[2] - x[0]) * m[1];
     let size = f.length();
     let direction = f * (splat(simd, 1.0) / size.max(tiny));
     let m_0 = -(m[0] + m[1]);
     let weight = w[0] * m_0 * m_0 + w[1] * m[0] * m[0] + w[2] * m[1] * m[1] + compliance;
-    let lambda = (splat(simd, 1.0) - size) / weight.max(tiny);
+    let lambda = (rest - size) / weight.max(tiny);
     let push = direction * lambda;
     x[0] = x[0] + push * (w[0] * m_0);
     x[1] = x[1] + push * (w[1] * m[0]);
     x[2] = x[2] + push * (w[2] * m[1]);
+    lambda
 }
 
 /// `(e1·m0 + e2·m1) · (e1·m2 + e2·m3) = 0`.
 #[inline(always)]
-fn angle<S: Simd>(x: &mut [Vec3x8<S>; 3], w: &[f32x8<S>; 3], m: [f32x8<S>; 4], compliance: f32x8<S>) {
+fn angle<S: Simd>(simd: S, x: &mut [Vec3x8<S>; 3], w: &[f32x8<S>; 3], m: [f32x8<S>; 4], compliance: f32x8<S>) {
     let (value, gradient) = shear_gradient(*x, m);
-    let lambda = -value / (weight(w, &gradient) + compliance);
+    // Without compliance a lane that is left over has no weight at all.
+    let lambda = -value / (weight(w, &gradient) + compliance).max(splat(simd, f32::MIN_POSITIVE));
     for i in 0..3 {
         x[i] = x[i] + gradient[i] * (lambda * w[i]);
     }

@@ -8,6 +8,7 @@
 mod respond;
 mod shape;
 
+pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
 
 use fearless_simd::prelude::*;

@@ -2,10 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
-use crate::lanes::{LANES, Vec3x8, load, splat, store};
+use crate::lanes::{Frame, LANES, Vec3x8, load, splat, store};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
@@ -13,36 +13,6 @@ use crate::{Particles, Pose};
 pub(super) struct Found {
     pub touching: u32,
     pub deepest: f32,
-}
-
-/// A pose with its rotation as a matrix.
-#[derive(Clone, Copy)]
-struct Frame {
-    origin: Vec3,
-    axes: Mat3,
-}
-
-impl Frame {
-    fn new(pose: Pose) -> Self {
-        Self { origin: pose.position, axes: Mat3::from_quat(pose.rotation) }
-    }
-
-    #[inline(always)]
-    fn direction<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Vec3x8<S> {
-        let m = &self.axes;
-        Vec3x8::splat(simd, m.x_axis) * v.x + Vec3x8::splat(simd, m.y_axis) * v.y + Vec3x8::splat(simd, m.z_axis) * v.z
-    }
-
-    #[inline(always)]
-    fn inverse_point<S: Simd>(&self, simd: S, p: Vec3x8<S>) -> Vec3x8<S> {
-        let d = p - Vec3x8::splat(simd, self.origin);
-        let m = &self.axes;
-        Vec3x8 {
-            x: d.dot(Vec3x8::splat(simd, m.x_axis)),
-            y: d.dot(Vec3x8::splat(simd, m.y_axis)),
-            z: d.dot(Vec3x8::splat(simd, m.z_axis)),
-        }
-    }
 }
 
 /// Puts every free particle within `offset` of the collider back and takes its velocity into the surface.

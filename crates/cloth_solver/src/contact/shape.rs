@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use crate::ClothError;
 
 mod hull;
+pub(crate) mod segment;
 
 pub use hull::ConvexHull;
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Line, deformation};
-use crate::topology::hinge_angle;
+use super::{deformation, lines};
+use crate::topology::{Along, hinge_angle};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
 /// Elastic energy of a cloth of `fabric` against its rest shape, J: stretch, shear and bending.
@@ -17,20 +17,16 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 /// - bending: `½ D (w/l) |t₂ − t₁|²` per inner particle of each row and column; `t` its edges over their rest length;
 /// - twist: `D |x₀₀ + x₁₁ − x₁₀ − x₀₁|² / (l_x l_y)` per cell; `D` the mean of warp and weft.
 ///
-/// Any other mesh, per triangle or hinge:
+/// Any other mesh, and what of a rectangle was cut loose, per triangle or hinge:
 /// - stretch and shear: `½ A (Y_u ε_u² + Y_v ε_v² + G (f_u·f_v)²)`; `f_u`, `f_v` what unit weft and warp threads have
 ///   become, `ε` their elongations;
 /// - bending and twist: `½ (D b/s) (θ − θ₀)²`, see [`Topology::hinge_stiffness`].
 pub fn elastic_energy(topology: &Topology, particles: &Particles, fabric: &Fabric) -> f64 {
     let positions = &particles.position;
-    match topology.grid {
-        Some(grid) => {
-            let wefts = lines(Line::wefts(grid), positions, fabric.stretch_weft, fabric.bend_weft);
-            let warps = lines(Line::warps(grid), positions, fabric.stretch_warp, fabric.bend_warp);
-            wefts + warps + cells(grid, positions, fabric)
-        }
-        None => triangles(topology, positions, fabric) + hinges(topology, positions, fabric),
-    }
+    let woven = topology
+        .grid
+        .map_or(0.0, |grid| threads(topology, positions, fabric) + cells(topology, grid, positions, fabric));
+    woven + triangles(topology, positions, fabric) + hinges(topology, positions, fabric)
 }
 
 /// Position of a slot, m.
@@ -38,34 +34,38 @@ fn at(positions: &Soa3, slot: u32) -> DVec3 {
     positions.get(slot as usize).as_dvec3()
 }
 
-/// Stretch and bending of rows or columns, J.
-fn lines(lines: impl Iterator<Item = Line>, positions: &Soa3, stretch: f32, bend: f32) -> f64 {
-    let (stretch, bend) = (f64::from(stretch), f64::from(bend));
-    lines
-        .map(|line| {
-            let mut last: Option<DVec3> = None;
-            let mut energy = 0.0;
-            for [a, b] in line.edges() {
-                let edge = at(positions, b) - at(positions, a);
-                energy += stretch * (edge.length() - line.spacing).powi(2);
-                let tangent = edge / line.spacing;
-                energy += last.map_or(0.0, |last| bend * (tangent - last).length_squared());
-                last = Some(tangent);
-            }
-            0.5 * energy * line.width / line.spacing
-        })
-        .sum()
+/// Stretch and bending of rows and columns, J.
+fn threads(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
+    let mut energy = 0.0;
+    for line in lines(topology) {
+        let (stretch, bend) = match line.along {
+            Along::Weft => (fabric.stretch_weft, fabric.bend_weft),
+            Along::Warp => (fabric.stretch_warp, fabric.bend_warp),
+        };
+        let (stretch, bend) = (f64::from(stretch), f64::from(bend));
+        let mut last: Option<(DVec3, f64)> = None;
+        for ([a, b], width) in line.links() {
+            let edge = at(positions, b) - at(positions, a);
+            let tangent = edge / line.spacing;
+            let curl =
+                last.map_or(0.0, |(last, narrower)| bend * (tangent - last).length_squared() * narrower.min(width));
+            energy += 0.5 * (stretch * (edge.length() - line.spacing).powi(2) * width + curl) / line.spacing;
+            last = Some((tangent, width));
+        }
+    }
+    energy
 }
 
-/// Shear and twist of the cells of a rectangle, J.
-fn cells(grid: Grid, positions: &Soa3, fabric: &Fabric) -> f64 {
+/// Shear and twist of the whole cells of a rectangle, J.
+fn cells(topology: &Topology, grid: Grid, positions: &Soa3, fabric: &Fabric) -> f64 {
     let spacing = grid.spacing.as_dvec2();
     let area = spacing.x * spacing.y;
     let shear = f64::from(fabric.shear);
     let bend = 0.5 * (f64::from(fabric.bend_warp) + f64::from(fabric.bend_weft));
     grid.cells()
-        .map(|(row, column)| {
-            let [x00, x10, x01, x11] = grid.cell(row, column).map(|slot| at(positions, slot));
+        .filter_map(|(row, column)| topology.cell(&grid, row, column))
+        .map(|corners| {
+            let [x00, x10, x01, x11] = corners.map(|slot| at(positions, slot));
             let weft = 0.5 * ((x10 - x00) + (x11 - x01)) / spacing.x;
             let warp = 0.5 * ((x01 - x00) + (x11 - x10)) / spacing.y;
             let twist = (x00 + x11 - x10 - x01).length_squared();
@@ -74,12 +74,14 @@ fn cells(grid: Grid, positions: &Soa3, fabric: &Fabric) -> f64 {
         .sum()
 }
 
-/// Stretch and shear of the triangles of a mesh, J.
+/// Stretch and shear of the triangles that belong to no rectangle, J.
 fn triangles(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
     let [weft_stiffness, warp_stiffness, shear] =
         [fabric.stretch_weft, fabric.stretch_warp, fabric.shear].map(f64::from);
-    (0..topology.triangles.len())
-        .map(|index| {
+    topology
+        .loose()
+        .map(|triangle| {
+            let index = triangle as usize;
             let [weft, warp] = deformation(topology, positions, index);
             let area = 0.5 * f64::from(topology.triangle_rest[index].determinant());
             let stretch =
@@ -89,12 +91,16 @@ fn triangles(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
         .sum()
 }
 
-/// Bending of the hinges of a mesh, J.
+/// Bending of the hinges of those triangles, J.
 fn hinges(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
-    (topology.hinges.iter().zip(&topology.hinge_rest).zip(topology.hinge_stiffness(fabric)))
-        .map(|((hinge, rest), stiffness)| {
-            let [a, b, c, d] = hinge.map(|slot| positions.get(slot as usize));
-            0.5 * f64::from(stiffness) * f64::from(turn(hinge_angle(a, b, c, d) - rest)).powi(2)
+    let mut is_loose = vec![false; topology.triangles.len()];
+    topology.loose().for_each(|triangle| is_loose[triangle as usize] = true);
+    (0..topology.hinges.len())
+        .filter(|hinge| topology.hinge_triangles[*hinge].iter().any(|triangle| is_loose[*triangle as usize]))
+        .map(|hinge| {
+            let [a, b, c, d] = topology.hinges[hinge].map(|slot| positions.get(slot as usize));
+            let angle = turn(hinge_angle(a, b, c, d) - topology.hinge_rest[hinge]);
+            0.5 * f64::from(topology.stiffness_of(hinge, fabric)) * f64::from(angle).powi(2)
         })
         .sum()
 }

@@ -111,6 +111,9 @@ fn accelerations(particles: &Particles, constraints: &Constraints, position: &So
         Some(force) => to.copy_from(force),
         None => to.fill(Vec3::ZERO),
     }
+    if let Some(airflow) = &particles.airflow {
+        add(to, &airflow.force, 1.0);
+    }
     constraints.add_forces(position, to);
     for grab in &constraints.grabs {
         grab.add_force(position, to, t);

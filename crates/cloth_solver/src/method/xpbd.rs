@@ -60,7 +60,7 @@ fn scale_masses<S: Simd>(simd: S, particles: &mut Particles) {
 /// Symplectic Euler: `v += h a`, `Δx = h v` for all that is free.
 #[inline(always)]
 fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
-    let Particles { moved, velocity, mass, inverse_mass, acceleration, force, .. } = particles;
+    let Particles { moved, velocity, mass, inverse_mass, acceleration, force, airflow, .. } = particles;
     let step = splat(simd, h);
     let kick = Vec3x8::splat(simd, *acceleration * h);
     let zero = splat(simd, 0.0);
@@ -70,6 +70,9 @@ fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
         let mut v = Vec3x8::load(simd, velocity, i) + kick * (load(simd, mass, i) * w);
         if let Some(force) = force {
             v = v + Vec3x8::load(simd, force, i) * (w * step);
+        }
+        if let Some(airflow) = airflow {
+            v = v + Vec3x8::load(simd, &airflow.force, i) * (w * step);
         }
         let free = w.simd_gt(zero);
         let v = Vec3x8 { x: free.select(v.x, zero), y: free.select(v.y, zero), z: free.select(v.z, zero) };

@@ -93,8 +93,11 @@ impl Topology {
             })
             .collect();
         let sides = hinge::sides(&triangles);
-        let hinges: Vec<[u32; 4]> = hinge::hinges(&triangles, &sides).map(|(hinge, _)| hinge).collect();
+        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &sides).unzip();
+        let vertex = |slot: u32| slot / grid.stride * grid.columns + slot % grid.stride;
         Ok(Self {
+            triangle_vertices: triangles.iter().map(|triangle| triangle.map(vertex)).collect(),
+            hinge_triangles,
             triangle_rest,
             edges: hinge::by_edge(&sides).map(|shared| shared[0].edge).collect(),
             hinge_rest: vec![0.0; hinges.len()],
@@ -103,6 +106,9 @@ impl Topology {
                 .flat_map(|row| (0..grid.columns).map(move |column| grid.slot(row, column)))
                 .collect(),
             grid: Some(grid),
+            weave: None,
+            original_triangles: triangles.len() as u32,
+            free: rest.len() as u32,
             rest,
             area,
             triangles,

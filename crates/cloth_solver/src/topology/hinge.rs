@@ -18,13 +18,29 @@ pub(super) struct Side {
 
 /// All sides of all triangles, sorted by edge and then by triangle.
 pub(super) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides = Vec::with_capacity(triangles.len() * 3);
-    for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
-        for [p, q, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
-            sides.push(Side { edge: [p.min(q), p.max(q)], triangle: triangle as u32, opposite });
+    // By counting how many there are of each smaller end: a cloth that tears finds them anew in every tick in which it does.
+    let ends = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let slots = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+    let mut start = vec![0_u32; slots + 1];
+    for [p, q, _] in triangles.iter().flat_map(ends) {
+        start[p.min(q) as usize + 1] += 1;
+    }
+    for slot in 0..slots {
+        start[slot + 1] += start[slot];
+    }
+    let mut next = start.clone();
+    let none = Side { edge: [0; 2], triangle: 0, opposite: 0 };
+    let mut sides = vec![none; triangles.len() * 3];
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for [p, q, opposite] in ends(corners) {
+            let at = &mut next[p.min(q) as usize];
+            sides[*at as usize] = Side { edge: [p.min(q), p.max(q)], triangle: triangle as u32, opposite };
+            *at += 1;
         }
     }
-    sides.sort_unstable();
+    for slot in 0..slots {
+        sides[start[slot] as usize..start[slot + 1] as usize].sort_unstable();
+    }
     sides
 }
 
@@ -88,18 +104,20 @@ impl Topology {
     /// the stiffness for curvature along the warp and along the weft as the square of the direction cosines of the
     /// curvature, which runs across the hinge; the two triangles are averaged.
     pub fn hinge_stiffness(&self, fabric: &Fabric) -> Vec<f32> {
-        let sides = sides(&self.triangles);
-        let stiffness = |(hinge, sharing): ([u32; 4], [u32; 2])| {
-            let [c, d] = sharing.map(|triangle| self.side_in_triangle(triangle, hinge[0], hinge[1]));
-            let bend = |along: Vec2| {
-                let cosines = along * along / along.length_squared();
-                // A hinge along the weft (x) bends the warp.
-                fabric.bend_warp * cosines.x + fabric.bend_weft * cosines.y
-            };
-            let area: f32 = sharing.iter().map(|t| 0.5 * self.triangle_rest[*t as usize].determinant()).sum();
-            0.5 * (bend(c) + bend(d)) * c.length_squared() / area
+        (0..self.hinges.len()).map(|hinge| self.stiffness_of(hinge, fabric)).collect()
+    }
+
+    /// That of one hinge.
+    pub(crate) fn stiffness_of(&self, hinge: usize, fabric: &Fabric) -> f32 {
+        let ([a, b, ..], sharing) = (self.hinges[hinge], self.hinge_triangles[hinge]);
+        let [c, d] = sharing.map(|triangle| self.side_in_triangle(triangle, a, b));
+        let bend = |along: Vec2| {
+            let cosines = along * along / along.length_squared();
+            // A hinge along the weft (x) bends the warp.
+            fabric.bend_warp * cosines.x + fabric.bend_weft * cosines.y
         };
-        hinges(&self.triangles, &sides).map(stiffness).collect()
+        let area: f32 = sharing.iter().map(|t| 0.5 * self.triangle_rest[*t as usize].determinant()).sum();
+        0.5 * (bend(c) + bend(d)) * c.length_squared() / area
     }
 
     /// The rest edge from particle `a` to particle `b` of `triangle`, in the triangle's weft and warp coordinates, m.

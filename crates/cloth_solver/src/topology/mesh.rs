@@ -54,14 +54,15 @@ impl Topology {
             let [a, b] = shared[0].edge.map(|particle| vertices[particle as usize]);
             return Err(ClothError::NonManifoldEdge { a, b, triangles: shared.len() });
         }
-        orient(&mut triangles, &sides);
+        let mut triangle_vertices = corners.to_vec();
+        orient(&mut triangles, &mut triangle_vertices, &sides);
 
         let mut rest: Vec<Vec3> = vertices.iter().map(|v| source.positions[*v as usize]).collect();
         let warps = corners.iter().map(|corners| uv_warp(&source, *corners));
         let triangle_rest: Vec<Mat2> = (triangles.iter().zip(warps))
             .map(|(triangle, warp)| flattened(triangle.map(|p| rest[p as usize].as_dvec3()), warp))
             .collect();
-        let hinges: Vec<[u32; 4]> = hinge::hinges(&triangles, &sides).map(|(hinge, _)| hinge).collect();
+        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &sides).unzip();
         let angle = |hinge: &[u32; 4]| {
             let [a, b, c, d] = hinge.map(|p| rest[p as usize]);
             hinge::hinge_angle(a, b, c, d)
@@ -76,11 +77,16 @@ impl Topology {
         area.resize(slots, 0.0);
         Ok(Self {
             edges: hinge::by_edge(&sides).map(|shared| shared[0].edge).collect(),
+            free: slots as u32,
+            weave: None,
+            original_triangles: triangles.len() as u32,
             rest,
             area,
             triangles,
+            triangle_vertices,
             triangle_rest,
             hinges,
+            hinge_triangles,
             hinge_rest,
             vertex_particle,
             grid: None,

@@ -3,14 +3,22 @@
 mod change;
 mod grid;
 mod hinge;
+mod lines;
 mod mesh;
 mod orient;
+mod pieces;
+mod surgery;
+mod weave;
 mod weld;
 
-pub use change::{Born, Change};
+pub use change::{Born, BornVertex, Change};
 pub use grid::Resolution;
 pub(crate) use hinge::hinge_angle;
+pub(crate) use lines::{Along, Thread, threads};
 pub use mesh::MeshSource;
+pub use pieces::Pieces;
+pub(crate) use surgery::{Crossing, Surgery};
+pub(crate) use weave::Weave;
 
 use glam::{Mat2, Vec2, Vec3};
 
@@ -41,7 +49,7 @@ impl Grid {
     }
 }
 
-/// Rest state and connectivity of one cloth. Immutable once built, so that clothes may share it.
+/// Rest state and connectivity of one cloth. Clothes may share it; one that is taken apart gets its own.
 ///
 /// All indices are particle slots (see [`crate::particles`]).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,24 +64,39 @@ pub struct Topology {
     /// For each triangle its two edges `p1 − p0`, `p2 − p0` at rest as columns, in the triangle's plane with
     /// x along the weft and y along the warp, m.
     pub triangle_rest: Vec<Mat2>,
+    /// Render vertices of each triangle, corner by corner.
+    pub triangle_vertices: Vec<[u32; 3]>,
     /// Every edge of the triangles once, `a < b`.
     pub edges: Vec<[u32; 2]>,
     /// Pairs of triangles over an inner edge: `[a, b, c, d]`, edge `a b`, `c` and `d` opposite to it. The triangle of
     /// `c` runs `a → b`, the one of `d` runs `b → a`, except across the seam of a one-sided surface, where both run
     /// `a → b`. In the order of [`Topology::edges`]. Two triangles on the same three particles have no hinge.
     pub hinges: Vec<[u32; 4]>,
+    /// The triangles of each hinge: that of `c`, that of `d`.
+    pub hinge_triangles: Vec<[u32; 2]>,
     /// Rest angle of each hinge, rad: 0 flat, positive where the front faces turn away from each other.
     pub hinge_rest: Vec<f32>,
     /// For each render vertex the particle it follows. Several vertices at one place (a UV seam) follow one particle.
     pub vertex_particle: Vec<u32>,
-    /// The rectangle's rows and columns, if it is one.
+    /// The rectangle's rows and columns, if it is one, or was before it was taken apart.
     pub grid: Option<Grid>,
+    /// What is left of the rectangle, once it was taken apart.
+    pub(crate) weave: Option<Box<Weave>>,
+    /// How many triangles it had before it was taken apart.
+    pub(crate) original_triangles: u32,
+    /// Where new particles go: behind all there ever were, and the padding after them.
+    pub(crate) free: u32,
 }
 
 impl Topology {
     /// Number of slots, padding included.
     pub fn slots(&self) -> usize {
         self.rest.len()
+    }
+
+    /// A slot that is padding, and stays so.
+    pub(crate) fn padding(&self) -> u32 {
+        self.slots().saturating_sub(1) as u32
     }
 
     /// Number of particles, padding excluded.

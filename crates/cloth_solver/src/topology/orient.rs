@@ -2,11 +2,11 @@
 
 use super::hinge::{Side, by_edge, corner, direction};
 
-/// Turns triangles over until neighbours run their common edge in opposite directions. Each connected piece keeps the
-/// winding that most of its triangles have, on a tie that of its first one.
+/// Turns triangles over, and their render vertices with them, until neighbours run their common edge in opposite
+/// directions. Each connected piece keeps the winding that most of its triangles have, on a tie that of its first one.
 ///
 /// A one-sided surface (a Möbius strip) has no such windings: there, some edges stay where the front meets the back.
-pub(super) fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) {
+pub(super) fn orient(triangles: &mut [[u32; 3]], vertices: &mut [[u32; 3]], sides: &[Side]) {
     let links = links(triangles, sides);
     let mut turned: Vec<Option<bool>> = vec![None; triangles.len()];
     let mut piece = Vec::new();
@@ -32,6 +32,7 @@ pub(super) fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) {
         let minority = turned_count * 2 <= piece.len();
         for (triangle, _) in piece.iter().filter(|(_, is_turned)| *is_turned == minority) {
             triangles[*triangle].swap(1, 2);
+            vertices[*triangle].swap(1, 2);
         }
     }
 }
@@ -58,7 +59,9 @@ mod tests {
 
     fn oriented(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         let sides = sides(&triangles);
-        orient(&mut triangles, &sides);
+        let mut vertices = triangles.clone();
+        orient(&mut triangles, &mut vertices, &sides);
+        assert_eq!(vertices, triangles);
         triangles
     }
 

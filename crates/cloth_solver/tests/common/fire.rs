@@ -1,8 +1,9 @@
 //! Burning cloths for the tests of fire.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use cloth_solver::damage;
 use cloth_solver::damage::fire::{Flammability, ROOM_TEMPERATURE, Stage, Surroundings};
-use cloth_solver::topology::{MeshSource, Resolution};
+use cloth_solver::topology::{Change, MeshSource, Resolution};
 use cloth_solver::{Fabric, Fire, Flammable, Particles, Topology};
 use glam::{UVec2, Vec2, Vec3};
 
@@ -71,6 +72,21 @@ impl Burning {
         self.time += self.dt;
         for slot in self.fire.ignited() {
             self.lit_at[*slot as usize] = self.time;
+        }
+    }
+
+    /// Takes a change of its topology from `before` over.
+    pub fn follow(&mut self, before: &Topology, change: &Change) {
+        self.fire.follow(&self.topology, change);
+        self.particles.follow(before, &self.topology, change);
+        self.lit_at.resize(change.slots, f32::INFINITY);
+    }
+
+    /// Takes out what burnt through in the last tick.
+    pub fn take_out(&mut self) {
+        let before = self.topology.clone();
+        if let Some(change) = damage::remove(&mut self.topology, self.fire.burnt_through()) {
+            self.follow(&before, &change);
         }
     }
 

@@ -162,14 +162,10 @@ impl Spread {
     /// Follows a change of topology, from the edges `old` to `rings`: an edge has what the edge had that it is, is a
     /// part or a copy of.
     pub fn follow(&mut self, topology: &Topology, old: &Rings, rings: &Rings, change: &Change) {
-        let parents = |slot: u32| {
-            let born = change.born.binary_search_by_key(&slot, |born| born.slot);
-            born.map_or([slot; 2], |born| change.born[born].parents)
-        };
         let before = core::mem::replace(self, Self::new(topology, rings, &self.rule));
         (self.chance, self.lit) = (before.chance, before.lit);
         for (edge, ends) in topology.edges.iter().enumerate() {
-            let [a, b] = ends.map(parents);
+            let [a, b] = ends.map(|slot| ancestors(change, slot));
             let pairs = a.into_iter().flat_map(|a| b.map(|b| (a, b)));
             let Some(was) = pairs.filter_map(|(a, b)| old.edge(a, b)).next() else { continue };
             self.damage[edge] = before.damage[was];
@@ -179,5 +175,24 @@ impl Spread {
                 ends.iter().for_each(|slot| self.flames[*slot as usize] += 1);
             }
         }
+    }
+}
+
+/// The particles before `change` that the particle `slot` is, is a copy of, or lies between; a copy of what is born itself
+/// counts for what that lies between.
+fn ancestors(change: &Change, slot: u32) -> [u32; 2] {
+    let parents =
+        |slot: u32| change.born.binary_search_by_key(&slot, |born| born.slot).map(|born| change.born[born].parents);
+    let mut now = [slot; 2];
+    // Parents are in smaller slots.
+    loop {
+        let next = match now {
+            [a, b] if a == b => parents(a).unwrap_or(now),
+            [a, b] => [parents(a).map_or(a, |p| p[0]), parents(b).map_or(b, |p| p[1])],
+        };
+        if next == now {
+            return now;
+        }
+        now = next;
     }
 }

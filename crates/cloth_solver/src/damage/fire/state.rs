@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 
 use crate::Topology;
 use crate::lanes::{load, splat, store};
-use crate::topology::{Born, Change};
+use crate::topology::Change;
 
 use super::{BURNT, COLD, ROOM_TEMPERATURE};
 
@@ -129,10 +129,8 @@ impl State {
 
 /// Gives `array` the slots of `change`: what is born lies between its parents, padding is `new`.
 pub(super) fn extend(array: &mut Vec<f32>, new: f32, change: &Change) {
-    let blend = |array: &[f32], born: &Born| born.blend(|parent| array[parent]);
-    let values: Vec<f32> = change.born.iter().map(|born| blend(array, born)).collect();
     array.resize(change.slots, new);
-    for (born, value) in change.born.iter().zip(values) {
-        array[born.slot as usize] = value;
+    for born in &change.born {
+        array[born.slot as usize] = born.blend(|parent| array[parent]);
     }
 }

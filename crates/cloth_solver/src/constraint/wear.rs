@@ -1,0 +1,173 @@
+//! What became of the links of a block of runs: factors on their compliance and on their rest length.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+use super::lines::Block;
+use crate::Grid;
+use crate::lanes::{LANES, load};
+use crate::topology::Along;
+
+/// The factor on the compliance of a link that is not there: so soft that its multiplier vanishes, and the systems of its
+/// run keep their shape.
+pub(super) const GONE: f32 = 1e25;
+
+/// What the kernels ask of the links of a block. Two kinds, so that what is not worn pays nothing.
+pub(crate) trait Links: Copy {
+    /// `compliance` of link `k` as worn.
+    fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S>;
+    /// `rest` of link `k` as worn.
+    fn rest<S: Simd>(self, simd: S, k: usize, rest: f32x8<S>) -> f32x8<S>;
+    /// `compliance` of the bend over the links `k − 1` and `k`, as the worse of them is worn.
+    fn bend<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S>;
+    /// For [`super::lines::Block::every_second`].
+    fn every_second(self, from: usize) -> Self;
+}
+
+/// Links as they were made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct New;
+
+impl Links for New {
+    #[inline(always)]
+    fn compliance<S: Simd>(self, _: S, _: usize, compliance: f32x8<S>) -> f32x8<S> {
+        compliance
+    }
+
+    #[inline(always)]
+    fn rest<S: Simd>(self, _: S, _: usize, rest: f32x8<S>) -> f32x8<S> {
+        rest
+    }
+
+    #[inline(always)]
+    fn bend<S: Simd>(self, _: S, _: usize, compliance: f32x8<S>) -> f32x8<S> {
+        compliance
+    }
+
+    fn every_second(self, _: usize) -> Self {
+        self
+    }
+}
+
+/// Links with factors on compliance and rest length, eight lanes per link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Worn<'a> {
+    compliance: &'a [f32],
+    rest: &'a [f32],
+    /// Link `k` stands for the links from `first + k * step` on, `step` in number.
+    first: usize,
+    step: usize,
+}
+
+impl<'a> Worn<'a> {
+    pub const fn new(compliance: &'a [f32], rest: &'a [f32]) -> Self {
+        Self { compliance, rest, first: 0, step: 1 }
+    }
+}
+
+impl Links for Worn<'_> {
+    #[inline(always)]
+    fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S> {
+        let at = (self.first + k * self.step) * LANES;
+        let one = load(simd, self.compliance, at);
+        compliance * if self.step == 2 { one.max(load(simd, self.compliance, at + LANES)) } else { one }
+    }
+
+    #[inline(always)]
+    fn rest<S: Simd>(self, simd: S, k: usize, rest: f32x8<S>) -> f32x8<S> {
+        rest * load(simd, self.rest, (self.first + k * self.step) * LANES)
+    }
+
+    #[inline(always)]
+    fn bend<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S> {
+        let (before, after) = (load(simd, self.compliance, (k - 1) * LANES), load(simd, self.compliance, k * LANES));
+        compliance * before.max(after)
+    }
+
+    fn every_second(self, from: usize) -> Self {
+        Self { first: from, step: 2, ..self }
+    }
+}
+
+/// What wear does to the particles of a cloth, one number per slot.
+#[derive(Clone, Copy, Debug)]
+pub struct Wear<'a> {
+    /// Factor on stiffness around a particle, 0..=1.
+    pub stiffness: &'a [f32],
+    /// Factor on rest lengths around a particle, above 0.
+    pub rest: &'a [f32],
+}
+
+impl Wear<'_> {
+    /// The factor on the compliance of the link between two slots.
+    pub(super) fn compliance(&self, [a, b]: [u32; 2]) -> f32 {
+        let stiffness = 0.5 * (self.stiffness[a as usize] + self.stiffness[b as usize]);
+        (1.0 / stiffness).min(GONE)
+    }
+
+    /// The factor on the stiffness of a cell; never 0, which would say that there is none.
+    pub(super) fn of_cell(&self, corners: [u32; 4]) -> f32 {
+        (0.25 * corners.iter().map(|slot| self.stiffness[*slot as usize]).sum::<f32>()).max(1.0 / GONE)
+    }
+
+    /// The factors on the compliance and on the rest length of a triangle.
+    pub(super) fn of_triangle(&self, corners: [u32; 3]) -> (f32, f32) {
+        let mean = |of: &[f32]| corners.iter().map(|slot| of[*slot as usize]).sum::<f32>() / 3.0;
+        ((1.0 / mean(self.stiffness)).min(GONE), mean(self.rest))
+    }
+
+    /// The factor on the rest length of the link between two slots.
+    pub(super) fn rest(&self, [a, b]: [u32; 2]) -> f32 {
+        0.5 * (self.rest[a as usize] + self.rest[b as usize])
+    }
+}
+
+/// The factors of all links of a grid: blocks of eight runs, eight lanes per link.
+#[derive(Clone, Debug)]
+pub(super) struct WornGrid {
+    weft: [Vec<f32>; 2],
+    warp: [Vec<f32>; 2],
+}
+
+impl WornGrid {
+    /// Nothing worn yet.
+    pub fn new(grid: &Grid) -> Self {
+        let (columns, rows) = (grid.columns as usize, grid.rows as usize);
+        let [weft, warp] = [rows.next_multiple_of(LANES) * columns, grid.stride as usize * rows];
+        Self { weft: [vec![1.0; weft], vec![1.0; weft]], warp: [vec![1.0; warp], vec![1.0; warp]] }
+    }
+
+    /// Takes over what became of the particles.
+    pub fn update(&mut self, grid: &Grid, wear: Wear<'_>) {
+        let (columns, rows) = (grid.columns as usize, grid.rows as usize);
+        for row in 0..rows {
+            for k in 0..columns - 1 {
+                let slot = grid.slot(row as u32, k as u32);
+                let (link, at) = ([slot, slot + 1], index(row, columns, k));
+                (self.weft[0][at], self.weft[1][at]) = (wear.compliance(link), wear.rest(link));
+            }
+        }
+        for k in 0..rows - 1 {
+            for column in 0..columns {
+                let slot = grid.slot(k as u32, column as u32);
+                let (link, at) = ([slot, slot + grid.stride], index(column, rows, k));
+                (self.warp[0][at], self.warp[1][at]) = (wear.compliance(link), wear.rest(link));
+            }
+        }
+    }
+
+    /// The links along `along` of the block that starts with run `first`.
+    pub fn block(&self, along: Along, first: usize, block: Block) -> Worn<'_> {
+        let [compliance, rest] = match along {
+            Along::Weft => &self.weft,
+            Along::Warp => &self.warp,
+        };
+        let range = first * block.count..(first + LANES) * block.count;
+        Worn::new(&compliance[range.clone()], &rest[range])
+    }
+}
+
+/// Where the number of link `k` of run `run`, of `count` particles, stands.
+pub(super) const fn index(run: usize, count: usize, k: usize) -> usize {
+    (run / LANES * count + k) * LANES + run % LANES
+}

@@ -1,0 +1,186 @@
+//! Tearing: a particle whose threads carry more than they can is parted, across the pull.
+//!
+//! The load of a particle along weft and along warp is the tension of its links, per width of fabric, smoothed over a few
+//! ticks. The crack runs along warp or weft, between cells, and weakens the particles it points at: a tear runs on rather
+//! than begin anew beside (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide).
+
+use std::sync::Arc;
+
+use crate::constraint::{Constraints, Tensions};
+use crate::topology::{Along, Change, Surgery};
+use crate::{ClothError, Particles, Topology};
+
+/// Time over which loads are smoothed, s: about three ticks of 1/60 s, so that no single jolt tears.
+const SMOOTHING: f32 = 0.05;
+
+/// How a cloth tears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tearing {
+    /// Tension at which it tears, N/m; above 0, up to 1e9.
+    pub strength: f32,
+    /// Most particles that part in a tick, 1..=1000.
+    pub splits: u32,
+    /// Factor on the strength of the particles that a crack points at, 0..=1; 0.2–0.6 lets a tear run on.
+    pub weakening: f32,
+}
+
+impl Tearing {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// The first field out of range.
+    pub fn validate(&self) -> Result<(), ClothError> {
+        ClothError::check("Tearing::strength", self.strength, f32::MIN_POSITIVE..=1e9, "above 0, up to 1e9 N/m")?;
+        ClothError::check("Tearing::splits", self.splits as f32, 1.0..=1000.0, "1..=1000")?;
+        ClothError::check("Tearing::weakening", self.weakening, 0.0..=1.0, "0..=1")
+    }
+}
+
+/// A particle that parted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// The particle.
+    pub particle: u32,
+    /// Its load over its strength when it did.
+    pub overload: f32,
+}
+
+/// What tore in a tick.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Torn {
+    /// What that did to particles and triangles.
+    pub change: Change,
+    /// The particles that parted.
+    pub splits: Vec<Split>,
+}
+
+/// What is known of a cloth that may tear: the load of each particle, and how weak it is.
+#[derive(Clone, Debug, Default)]
+pub struct Tear {
+    /// Smoothed tension along weft and warp at each slot, N/m.
+    load: [Vec<f32>; 2],
+    /// Factor on the strength of each slot.
+    weak: Vec<f32>,
+    tensions: Tensions,
+    overloaded: Vec<(u32, Along, f32)>,
+}
+
+impl Tear {
+    /// Nothing loaded. `painted` is a factor on the strength of each slot, or empty.
+    pub fn new(topology: &Topology, painted: Vec<f32>) -> Self {
+        let slots = topology.slots();
+        let mut weak = painted;
+        weak.resize(slots, 1.0);
+        Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, ..Self::default() }
+    }
+
+    /// The larger load of a slot along weft or warp, N/m.
+    pub fn load(&self, slot: usize) -> f32 {
+        self.load[0][slot].max(self.load[1][slot])
+    }
+
+    /// The factor on the strength of a slot.
+    pub fn strength(&self, slot: usize) -> f32 {
+        self.weak[slot]
+    }
+
+    /// Takes over what was cut or burnt.
+    pub fn follow(&mut self, change: &Change) {
+        for numbers in self.load.iter_mut().chain([&mut self.weak]) {
+            numbers.resize(change.slots, 0.0);
+            for born in &change.born {
+                numbers[born.slot as usize] = born.blend(|slot| numbers[slot]);
+            }
+        }
+    }
+
+    /// Takes note of the loads at the end of a tick of `dt` s, whose substeps were `h` s long.
+    pub fn watch(
+        &mut self,
+        topology: &Topology,
+        particles: &Particles,
+        constraints: &mut Constraints,
+        h: f32,
+        dt: f32,
+    ) {
+        constraints.tensions(topology, particles, h, &mut self.tensions);
+        let fresh = dt / (SMOOTHING + dt);
+        for (load, tension) in self.load.iter_mut().zip(self.tensions.along()) {
+            for (load, (sum, width)) in load.iter_mut().zip(tension) {
+                let now = if *width > 0.0 { sum / width } else { 0.0 };
+                *load += (now - *load) * fresh;
+            }
+        }
+    }
+
+    /// Parts what carries more than `tearing` allows, the most overloaded first, where `strength` is a further factor on the
+    /// strength of each slot (of what is charred, say), or empty. `None` if nothing tears, which takes next to no time.
+    pub fn tear(&mut self, topology: &mut Arc<Topology>, tearing: &Tearing, strength: &[f32]) -> Option<Torn> {
+        self.find_overloaded(tearing, strength);
+        if self.overloaded.is_empty() {
+            return None;
+        }
+        let mut surgery = Surgery::new(Arc::make_mut(topology));
+        let (mut splits, weak) = (Vec::new(), &mut self.weak);
+        for &(particle, along, overload) in &self.overloaded {
+            if splits.len() as u32 >= tearing.splits {
+                break;
+            }
+            if let Some(ends) = split(&mut surgery, particle, along) {
+                splits.push(Split { particle, overload });
+                // A particle born in this very tick is not known yet.
+                for slot in ends {
+                    if let Some(weak) = weak.get_mut(slot as usize) {
+                        *weak = weak.min(tearing.weakening);
+                    }
+                }
+            }
+        }
+        let change = surgery.finish()?;
+        self.follow(&change);
+        Some(Torn { change, splits })
+    }
+
+    fn find_overloaded(&mut self, tearing: &Tearing, strength: &[f32]) {
+        self.overloaded.clear();
+        for (along, load) in [Along::Weft, Along::Warp].into_iter().zip(&self.load) {
+            for (slot, (load, weak)) in load.iter().zip(&self.weak).enumerate() {
+                let limit = tearing.strength * weak * strength.get(slot).copied().unwrap_or(1.0);
+                if *load > limit {
+                    self.overloaded.push((slot as u32, along, load / limit.max(f32::MIN_POSITIVE)));
+                }
+            }
+        }
+        self.overloaded.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    }
+}
+
+/// Parts the fan of `particle` by the line through it that runs across `along`; the particles that the crack points at, or
+/// `None` if all its triangles lie on one side.
+fn split(surgery: &mut Surgery, particle: u32, along: Along) -> Option<Vec<u32>> {
+    let fan = surgery.fan(particle);
+    let topology = surgery.topology();
+    let side = |triangle: u32| {
+        let rest = topology.triangle_rest[triangle as usize];
+        let corners = topology.triangles[triangle as usize];
+        let flat = [glam::Vec2::ZERO, rest.x_axis, rest.y_axis];
+        let corner = corners.iter().position(|slot| *slot == particle).unwrap_or(0);
+        let middle = (flat[0] + flat[1] + flat[2]) / 3.0 - flat[corner];
+        match along {
+            Along::Weft => middle.x > 0.0,
+            Along::Warp => middle.y > 0.0,
+        }
+    };
+    let sides: Vec<(u32, bool)> = fan.iter().map(|triangle| (*triangle, side(*triangle))).collect();
+    if sides.iter().all(|(_, after)| *after) || !sides.iter().any(|(_, after)| *after) {
+        return None;
+    }
+    let corners = |after: bool| {
+        let triangles = sides.iter().filter(move |(_, side)| *side == after).map(|(triangle, _)| *triangle);
+        triangles.flat_map(|triangle| topology.triangles[triangle as usize]).filter(|slot| *slot != particle)
+    };
+    let ends: Vec<u32> = corners(true).filter(|slot| corners(false).any(|other| other == *slot)).collect();
+    let of = |triangle: u32| sides.iter().find(|(known, _)| *known == triangle).map(|(_, after)| *after);
+    surgery.part_all(vec![particle], |a, b| of(a) != of(b));
+    Some(ends)
+}

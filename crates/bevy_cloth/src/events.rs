@@ -59,7 +59,59 @@ pub struct ClothReset {
     pub entity: Entity,
 }
 
-/// Trigger this to put a cloth back to its rest pose, at rest. Pins stay. Works while the clock is paused.
+/// A cloth tore at a particle, which has parted.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothTorn {
+    /// The cloth.
+    pub entity: Entity,
+    /// The particle.
+    pub particle: u32,
+    /// Where it stands in the world, m.
+    pub position: Vec3,
+    /// Its load over its strength when it parted; 0 if it was torn by [`TearCloth`](crate::TearCloth).
+    pub overload: f32,
+}
+
+/// A cloth was cut.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothCut {
+    /// The cloth.
+    pub entity: Entity,
+    /// A particle in the middle of the cut.
+    pub particle: u32,
+    /// Where it stands in the world, m.
+    pub position: Vec3,
+    /// How many edges long the cut is.
+    pub edges: u32,
+}
+
+/// A cloth consists of more pieces than before; see [`ClothPieces`](crate::ClothPieces).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct PiecesSeparated {
+    /// The cloth.
+    pub entity: Entity,
+    /// How many pieces it consists of now.
+    pub pieces: u32,
+}
+
+/// Small pieces of a cloth were taken out, their time being up; see [`Tearable`](crate::Tearable).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct DebrisGone {
+    /// The cloth.
+    pub entity: Entity,
+    /// How many triangles they had.
+    pub triangles: u32,
+}
+
+/// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works while the clock is paused.
 ///
 /// ```
 /// # use bevy::prelude::*;

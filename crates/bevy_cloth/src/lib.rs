@@ -79,6 +79,7 @@ pub mod air;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
+pub mod damage;
 pub mod diagnostics;
 pub mod events;
 #[cfg(feature = "picking")]
@@ -99,11 +100,16 @@ mod step;
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
+pub use damage::{ATTRIBUTE_STRENGTH, ClothPiece, ClothPieces, CutCloth, TearCloth, Tearable};
 pub use diagnostics::ClothDiagnosticsPlugin;
-pub use events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, ResetCloth, WindRejected};
+pub use events::{
+    ClothCut, ClothRecovered, ClothRejected, ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated,
+    ResetCloth, WindRejected,
+};
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};

@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 
-use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, WindRejected};
+use crate::events::{
+    ClothCut, ClothRecovered, ClothRejected, ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated,
+    WindRejected,
+};
 
 /// What can be told.
 pub(crate) trait Report: EntityEvent + Message + Clone + for<'a> Event<Trigger<'a>: Default> {
@@ -37,6 +40,30 @@ impl Report for ClothRecovered {
 impl Report for ClothReset {
     fn log(&self, name: &str) {
         debug!("cloth {name} was put back to its rest pose");
+    }
+}
+
+impl Report for ClothTorn {
+    fn log(&self, name: &str) {
+        trace!("cloth {name} tore at particle {}", self.particle);
+    }
+}
+
+impl Report for ClothCut {
+    fn log(&self, name: &str) {
+        trace!("cloth {name} was cut along {} edges", self.edges);
+    }
+}
+
+impl Report for PiecesSeparated {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} consists of {} pieces", self.pieces);
+    }
+}
+
+impl Report for DebrisGone {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} lost debris of {} triangles", self.triangles);
     }
 }
 

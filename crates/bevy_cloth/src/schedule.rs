@@ -14,7 +14,7 @@ use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, fault, prepare, stats, step};
+use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, damage, fault, prepare, stats, step};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -78,7 +78,7 @@ pub enum ClothSystems {
     Solve,
     /// Pushes particles out of colliders. In [`ClothSubstepSchedule`].
     Collide,
-    /// Takes apart what is loaded beyond its strength. Empty as yet. In [`ClothSchedule`].
+    /// Takes apart what is loaded beyond its strength. In [`ClothSchedule`].
     Tear,
     /// Burns what is alight. Empty as yet. In [`ClothSchedule`].
     Burn,
@@ -114,6 +114,7 @@ impl Plugin for ClothPlugin {
         register_types(app);
         add_schedules(app, self.schedule);
         prepare::plugin(app, self.schedule);
+        damage::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]

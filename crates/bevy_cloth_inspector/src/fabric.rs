@@ -41,5 +41,6 @@ fn values(ui: &mut egui::Ui, fabric: &mut Fabric) {
     value("bending, weft", "Stiffness against curvature along the weft.", &mut fabric.bend_weft, MICRONEWTON_METRE);
     value("damping", "Rate at which inner motion fades.", &mut fabric.damping, PER_SECOND);
     value("friction", "Coulomb friction coefficient.", &mut fabric.friction, Unit::NONE);
+    value("strength", "Tension at which it tears, where it may.", &mut fabric.strength, NEWTON_PER_METRE);
     value("stretch limit", "Largest strain the fabric takes in use.", &mut fabric.stretch_limit, Unit::PERCENT);
 }

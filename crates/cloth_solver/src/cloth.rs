@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::contact::Contacts;
-use crate::damage::{self, Blade, Cut, Tear, Tearing, Torn};
+use crate::damage::{self, Blade, Cut, Direction, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
 use crate::topology::Change;
@@ -100,8 +100,19 @@ impl Cloth {
     pub fn tear(&mut self, tear: &mut Tear, tearing: &Tearing) -> Option<Torn> {
         let before = self.topology.clone();
         let torn = tear.tear(&mut self.topology, tearing, &[]);
+        if let Some(torn) = &torn {
+            tear.follow(&torn.change);
+        }
         self.follow(&before, torn.as_ref().map(|torn| &torn.change));
         torn
+    }
+
+    /// Parts a particle as if it were pulled along `pull`; `None` if it cannot be parted.
+    pub fn tear_at(&mut self, particle: u32, pull: Direction) -> Option<Change> {
+        let before = self.topology.clone();
+        let change = damage::tear_at(&mut self.topology, particle, pull);
+        self.follow(&before, change.as_ref());
+        change
     }
 
     /// Takes triangles out; `None` if there is none of them.

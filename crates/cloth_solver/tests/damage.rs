@@ -5,7 +5,8 @@ mod common;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use cloth_solver::damage::Blade;
+use cloth_solver::constraint::Grab;
+use cloth_solver::damage::{Blade, Direction, Tear, Tearing};
 use cloth_solver::topology::MeshSource;
 use cloth_solver::{Cloth, Fabric, Method, Tick, Topology, measure};
 use common::*;
@@ -295,4 +296,103 @@ fn a_cut_cloth_keeps_its_momentum_and_gains_no_energy() {
     let drift = (measure::linear_momentum(&cloth.particles) - momentum).length() / momentum.length();
     assert!(drift < 1e-4, "momentum drifts by {drift}");
     assert!(most < 1.01 * before, "energy rises from {before} to {most} J");
+}
+
+/// A strip held at the top and pulled down by weights on its lower row, more and more, until it tears; the pull, N.
+fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let sheet = rectangle(0.3, 0.3, 15, 15, &fabric);
+    let mut cloth = if mesh { as_mesh(&sheet, &fabric) } else { sheet };
+    if notched {
+        cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01]), &[]).unwrap();
+    }
+    let row = |y: f32| -> Vec<u32> {
+        let rest = |slot: &u32| cloth.topology.rest[*slot as usize].y;
+        cloth.topology.particles().filter(|slot| (rest(slot) - y).abs() < 1e-3).collect()
+    };
+    let (top, bottom) = (row(0.15), row(-0.15));
+    pin_top(&mut cloth, top);
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    for tick in 0..400 {
+        let pull = 0.5 * tick as f32;
+        let area = |slot: &u32| cloth.topology.area[*slot as usize];
+        let total: f32 = bottom.iter().map(area).sum();
+        for (slot, share) in bottom.iter().map(|slot| (*slot, area(slot) / total)).collect::<Vec<_>>() {
+            cloth.particles.add_force(slot as usize, Vec3::NEG_Y * (pull * share));
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        if cloth.tear(&mut tear, &tearing).is_some() {
+            assert_sound(&cloth);
+            return Some(pull);
+        }
+    }
+    None
+}
+
+#[test]
+fn a_notched_sheet_tears_at_a_lower_load_than_a_whole_one() {
+    for mesh in [false, true] {
+        let (whole, notched) = (pull_apart(false, mesh).unwrap(), pull_apart(true, mesh).unwrap());
+        // A strip 0.3 m wide that takes 400 N/m.
+        assert!((whole / 120.0 - 1.0).abs() < 0.15, "the whole one tears at {whole} N");
+        assert!(notched < 0.8 * whole, "the notched one at {notched} N, the whole one at {whole} N");
+    }
+}
+
+#[test]
+fn a_tear_runs_on_until_the_sheet_is_in_two() {
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let mut cloth = rectangle(0.3, 0.3, 15, 15, &fabric);
+    cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01]), &[]).unwrap();
+    let (old_mass, old_area) = (mass(&cloth), area(&cloth.topology));
+    pin_top(&mut cloth, 0..=15);
+    let grid = cloth.topology.grid.unwrap();
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    for _ in 0..240 {
+        for column in 0..=15 {
+            cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 5.0);
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        cloth.tear(&mut tear, &tearing);
+        assert!(cloth.particles.is_finite());
+    }
+    assert_sound(&cloth);
+    assert!(cloth.topology.pieces().triangles.len() >= 2);
+    assert!((mass(&cloth) / old_mass - 1.0).abs() < 1e-5 && (area(&cloth.topology) / old_area - 1.0).abs() < 1e-5);
+    let below = cloth.particles.position.y[grid.slot(15, 7) as usize];
+    assert!(below < -1.0, "the lower half falls: {below} m");
+}
+
+#[test]
+fn a_sheet_torn_to_single_cells_while_held_stays_finite_and_keeps_its_mass() {
+    for mut cloth in both(6, 6) {
+        let old = mass(&cloth);
+        let triangle = cloth.topology.triangles[20];
+        let at = Vec3::new(0.0, 0.3, 0.4);
+        for round in 0..200_u32 {
+            let particles: Vec<u32> = cloth.topology.particles().collect();
+            let slot = particles[(round as usize * 7919) % particles.len()];
+            let pull = if round % 2 == 0 { Direction::Weft } else { Direction::Warp };
+            cloth.tear_at(slot, pull);
+            cloth.constraints.grabs = vec![Grab {
+                particles: triangle,
+                weights: [1.0 / 3.0; 3],
+                from: at,
+                to: at,
+                stiffness: 200.0,
+                max_force: 20.0,
+            }];
+            cloth.step(TICK, GRAVITY);
+            assert!(cloth.particles.is_finite(), "round {round}");
+        }
+        assert_sound(&cloth);
+        assert!(cloth.topology.pieces().triangles.len() > 4);
+        assert!((mass(&cloth) / old - 1.0).abs() < 1e-5);
+    }
 }

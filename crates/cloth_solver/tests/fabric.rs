@@ -44,6 +44,7 @@ fn an_invalid_number_is_refused_under_the_name_of_its_field() {
         ("Fabric::damping", |f, v| f.damping = v),
         ("Fabric::friction", |f, v| f.friction = v),
         ("Fabric::stretch_limit", |f, v| f.stretch_limit = v),
+        ("Fabric::strength", |f, v| f.strength = v),
     ];
     for (name, set) in set {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e10] {

@@ -83,7 +83,7 @@ pub(crate) struct Shown<'w, 's> {
 }
 
 impl Shown<'_, '_> {
-    fn get(&self, mut entity: Entity) -> bool {
+    pub fn get(&self, mut entity: Entity) -> bool {
         while let Ok((visibility, parent)) = self.entities.get(entity) {
             match (visibility, parent) {
                 (Some(Visibility::Hidden), _) => return false,

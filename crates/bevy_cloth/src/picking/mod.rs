@@ -1,6 +1,7 @@
-//! Picking: a backend on the deformed surface, and the hand that grabs.
+//! Picking: a backend on the deformed surface, the hand that grabs, and the blade that cuts.
 
 mod backend;
+mod blade;
 mod hand;
 
 use bevy::asset::uuid_handle;
@@ -14,10 +15,13 @@ use bevy::prelude::*;
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct ClothPicking {
-    /// Whether clothes are hit by pointers and can be grabbed. Default true.
+    /// Whether clothes are hit by pointers and can be grabbed and cut. Default true.
     pub enabled: bool,
     /// The button that grabs while it is held, or `None` for no grabbing. Default the primary (left) button.
     pub button: Option<PointerButton>,
+    /// The button that cuts while it is held and the pointer moves, or `None` for no cutting. Default the secondary (right)
+    /// button.
+    pub cut_button: Option<PointerButton>,
     /// Stiffness of the hand, N/m; 0.001 to 10,000,000. Default 200.
     pub stiffness: f32,
     /// The hand never pulls harder than this, N; 0 to 1,000,000. Default 20.
@@ -26,7 +30,13 @@ pub struct ClothPicking {
 
 impl Default for ClothPicking {
     fn default() -> Self {
-        Self { enabled: true, button: Some(PointerButton::Primary), stiffness: 200.0, max_force: 20.0 }
+        Self {
+            enabled: true,
+            button: Some(PointerButton::Primary),
+            cut_button: Some(PointerButton::Secondary),
+            stiffness: 200.0,
+            max_force: 20.0,
+        }
     }
 }
 
@@ -77,12 +87,17 @@ pub(crate) fn plugin(app: &mut App) {
     app.init_resource::<ClothPicking>()
         .register_type::<ClothPicking>()
         .init_resource::<hand::Hands>()
+        .init_resource::<blade::Strokes>()
         .add_observer(hand::grab)
         .add_systems(
             PreUpdate,
             (
                 backend::cast.in_set(PickingSystems::Backend),
-                (hand::release.run_if(resource_exists::<Messages<PointerInput>>), hand::pull)
+                (
+                    hand::release.run_if(resource_exists::<Messages<PointerInput>>),
+                    hand::pull,
+                    blade::cut.run_if(resource_exists::<Messages<PointerInput>>),
+                )
                     .chain()
                     .in_set(PickingSystems::PostHover),
             )

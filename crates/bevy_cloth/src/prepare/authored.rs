@@ -11,6 +11,7 @@ use super::{DrawnMesh, anchors};
 use crate::Air;
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
+use crate::damage::Tearable;
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::weights::Weights;
@@ -31,6 +32,7 @@ pub(crate) struct Authored {
     weights: Option<Weights>,
     gravity: Option<Gravity>,
     substeps: Option<Substeps>,
+    tearable: Option<Tearable>,
     air: Option<Air>,
     wind: Option<Wind>,
     gusts: Option<Gusts>,
@@ -59,6 +61,13 @@ pub(crate) struct Faults {
     pub weights: Option<ClothError>,
     pub settings: Option<ClothError>,
     pub grabs: Option<ClothError>,
+}
+
+impl Authored {
+    /// The shape is to be built anew, as if it had never been seen.
+    pub fn forget_shape(&mut self) {
+        self.source = None;
+    }
 }
 
 impl Faults {
@@ -92,6 +101,7 @@ pub(crate) struct Wanted {
     weights: Option<Ref<'static, Weights>>,
     gravity: Option<Ref<'static, Gravity>>,
     substeps: Option<Ref<'static, Substeps>>,
+    tearable: Option<Ref<'static, Tearable>>,
     air: Option<Ref<'static, Air>>,
     wind: Option<Ref<'static, Wind>>,
     gusts: Option<Ref<'static, Gusts>>,
@@ -180,6 +190,7 @@ impl WantedItem<'_, '_> {
             settings: first
                 || differs(&self.gravity, &seen.gravity)
                 || differs(&self.substeps, &seen.substeps)
+                || differs(&self.tearable, &seen.tearable)
                 || differs(&self.air, &seen.air)
                 || differs(&self.wind, &seen.wind)
                 || differs(&self.gusts, &seen.gusts)
@@ -213,6 +224,7 @@ impl WantedItem<'_, '_> {
         }
         seen.gravity = self.gravity.as_deref().copied();
         seen.substeps = self.substeps.as_deref().copied();
+        seen.tearable = self.tearable.as_deref().copied();
         seen.air = self.air.as_deref().copied();
         seen.wind = self.wind.as_deref().copied();
         seen.gusts = self.gusts.as_deref().copied();
@@ -224,9 +236,10 @@ impl WantedItem<'_, '_> {
         let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
         let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
         let air = self.air.as_deref().map_or(Ok(()), Air::validate);
+        let tearable = self.tearable.as_deref().map_or(Ok(()), Tearable::validate);
         let wind = self.wind.as_deref().unwrap_or(wind).validate();
         let gusts = self.gusts.as_deref().unwrap_or(gusts).validate();
-        self.authored.faults.settings = gravity.and(substeps).and(air).and(wind).and(gusts).err();
+        self.authored.faults.settings = gravity.and(substeps).and(tearable).and(air).and(wind).and(gusts).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -19,6 +19,7 @@ use super::source::shape;
 use super::{ClothSkin, StepPlan};
 use crate::air::Wind;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
+use crate::damage::{ClothPieces, TearState};
 use crate::events::ClothRejected;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
@@ -135,8 +136,8 @@ impl WantedItem<'_, '_> {
                         let mut entity = commands.entity(self.entity);
                         entity.try_insert(state);
                         if renew {
-                            // What was held is no more.
-                            entity.try_remove::<Grabs>();
+                            // What was held or torn is no more.
+                            entity.try_remove::<(Grabs, ClothPieces, TearState)>();
                         }
                     }
                 }

@@ -7,9 +7,10 @@ use cloth_solver::constraint::Grab as SolverGrab;
 use cloth_solver::contact::Contacts;
 use cloth_solver::{Fabric, Method, Particles, Pose, Soa3};
 
-use super::Anchors;
 use super::placement::{Placement, Placements};
+use super::{Anchors, Authored};
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
+use crate::damage::ClothPieces;
 use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
 use crate::report::report;
@@ -212,15 +213,27 @@ pub(crate) fn reset(particles: &mut Particles, history: &mut ClothHistory, rest:
     particles.velocity.fill(Vec3::ZERO);
 }
 
-/// Answers [`ResetCloth`].
-pub(crate) fn on_reset(
-    asked: On<ResetCloth>,
-    mut cloths: Query<(&mut Particles, &mut ClothHistory, &mut Contacts, &Constraints, &ClothTopology)>,
-    mut commands: Commands,
-) {
-    if let Ok((mut particles, mut history, mut contacts, constraints, topology)) = cloths.get_mut(asked.entity) {
-        reset(&mut particles, &mut history, &topology.rest, constraints);
-        (contacts.touching, contacts.deepest) = (0, 0.0);
+/// What of a cloth is put back.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Resettable {
+    particles: &'static mut Particles,
+    history: &'static mut ClothHistory,
+    contacts: &'static mut Contacts,
+    constraints: &'static Constraints,
+    topology: &'static ClothTopology,
+    authored: &'static mut Authored,
+    is_damaged: Has<ClothPieces>,
+}
+
+/// Answers [`ResetCloth`]. A cloth that was taken apart is built anew.
+pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut commands: Commands) {
+    if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
+        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints);
+        (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
+        if cloth.is_damaged {
+            cloth.authored.forget_shape();
+        }
         report(&mut commands, ClothReset { entity: asked.entity });
     }
 }

@@ -2,22 +2,40 @@
 
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use cloth_solver::topology::MeshSource;
+use cloth_solver::topology::{Change, MeshSource};
 use cloth_solver::{ClothError, Topology};
 
 use crate::cloth::ClothSource;
+use crate::damage::ATTRIBUTE_STRENGTH;
 
 /// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Skin {
-    /// Render vertices of each triangle, in the order of the topology's triangles.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
-    pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates, or empty.
     #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub uvs: Vec<Vec2>,
     /// Vertex colours, or empty.
     pub colors: Vec<[f32; 4]>,
+    /// Factors on the strength, or empty.
+    pub strength: Vec<f32>,
+}
+
+impl Skin {
+    /// Takes over render vertices that were born when the cloth was taken apart.
+    pub fn follow(&mut self, change: &Change) {
+        for born in &change.vertices {
+            let [a, b] = born.parents.map(|vertex| vertex as usize);
+            if let (Some(from), Some(to)) = (self.uvs.get(a), self.uvs.get(b)) {
+                self.uvs.push(from.lerp(*to, born.t));
+            }
+            if let (Some(from), Some(to)) = (self.colors.get(a), self.colors.get(b)) {
+                self.colors.push(std::array::from_fn(|i| from[i] + (to[i] - from[i]) * born.t));
+            }
+            if let (Some(from), Some(to)) = (self.strength.get(a), self.strength.get(b)) {
+                self.strength.push(from + (to - from) * born.t);
+            }
+        }
+    }
 }
 
 /// Topology and skin of `source` under `scale`. `mesh` is needed for [`ClothSource::Mesh`].
@@ -35,21 +53,13 @@ pub(crate) fn shape(source: &ClothSource, scale: Vec3, mesh: Option<&Mesh>) -> R
 }
 
 fn rectangle_skin(topology: &Topology) -> Skin {
-    let mut vertex = vec![0; topology.slots()];
-    for (index, slot) in topology.vertex_particle.iter().enumerate() {
-        vertex[*slot as usize] = index as u32;
-    }
     let (min, max) = bounds(topology);
     let size = (max - min).max(Vec3::splat(f32::MIN_POSITIVE));
     let uv = |slot: &u32| {
         let p = topology.rest[*slot as usize];
         Vec2::new((p.x - min.x) / size.x, (max.y - p.y) / size.y)
     };
-    Skin {
-        triangles: topology.triangles.iter().map(|t| t.map(|slot| vertex[slot as usize])).collect(),
-        uvs: topology.vertex_particle.iter().map(uv).collect(),
-        colors: Vec::new(),
-    }
+    Skin { uvs: topology.vertex_particle.iter().map(uv).collect(), ..Skin::default() }
 }
 
 /// Lower and upper bounds of the rest positions of all particles, m.
@@ -94,6 +104,9 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         _ => Vec::new(),
     };
     let topology = Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices: &indices })?;
-    let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    Ok((topology, Skin { triangles, uvs, colors }))
+    let strength = match mesh.try_attribute_option(ATTRIBUTE_STRENGTH) {
+        Ok(Some(VertexAttributeValues::Float32(strength))) => strength.clone(),
+        _ => Vec::new(),
+    };
+    Ok((topology, Skin { uvs, colors, strength }))
 }

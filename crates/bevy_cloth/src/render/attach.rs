@@ -5,6 +5,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use cloth_solver::Topology;
 
 use super::material;
 use super::write::Drawing;
@@ -23,7 +24,7 @@ pub(crate) fn attach(
     for (entity, topology, skin) in &cloths {
         let shown = on_entity.get(entity).ok();
         let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
-            let handle = meshes.add(two_sided(topology.vertex_particle.len(), &skin.0));
+            let handle = meshes.add(two_sided(&topology, &skin.0));
             // A clone still shows the mesh of the cloth it was cloned from.
             let original = cloned.get(entity).ok().filter(|of| shown.is_some_and(|shown| shown.0 == of.drawn));
             let source = original.map_or_else(|| shown.map(|mesh| mesh.0.clone()), |original| original.source.clone());
@@ -41,7 +42,7 @@ pub(crate) fn attach(
             continue;
         };
         if topology.is_changed() {
-            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(topology.vertex_particle.len(), &skin.0)) {
+            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(&topology, &skin.0)) {
                 error!("the mesh of cloth {entity} could not be replaced: {error}");
             }
             *drawing = Drawing::new(&topology, &skin.0);
@@ -56,12 +57,14 @@ pub(crate) fn attach(
     }
 }
 
-/// A mesh with front and back of `skin` as separate vertices: first all of the front, then all of the back. Positions,
+/// A mesh with front and back of `topology` as separate vertices: first all of the front, then all of the back. Positions,
 /// normals and tangents are still to be written.
-fn two_sided(vertices: usize, skin: &Skin) -> Mesh {
+fn two_sided(topology: &Topology, skin: &Skin) -> Mesh {
+    let vertices = topology.vertex_particle.len();
     let back = |vertex: u32| vertex + vertices as u32;
-    let front_and_back = skin.triangles.iter().copied();
-    let front_and_back = front_and_back.chain(skin.triangles.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
+    let triangles = &topology.triangle_vertices;
+    let front_and_back = triangles.iter().copied();
+    let front_and_back = front_and_back.chain(triangles.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; 2 * vertices])
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 2 * vertices])

@@ -39,7 +39,7 @@ impl Drawing {
             shown: vec![Vec3::ZERO; slots],
             normals: vec![Vec3::Z; slots],
             tangents: vec![Vec3::X; tangents],
-            tangent_frame: TangentFrame::new(&skin.triangles, &skin.uvs),
+            tangent_frame: TangentFrame::new(&topology.triangle_vertices, &skin.uvs),
             strain: Vec::new(),
             relation: Affine3A::IDENTITY,
             coloring: None,
@@ -93,7 +93,7 @@ pub(crate) fn write(
         let fabric = fabric.copied().unwrap_or_default();
         drawing.relation = relation;
         drawing.written = true;
-        let bounds = drawing.write_shape(&mut mesh, topology, &skin.0, fabric.thickness / 2.0);
+        let bounds = drawing.write_shape(&mut mesh, topology, fabric.thickness / 2.0);
         if let Some(mut aabb) = aabb {
             *aabb = Aabb::from_min_max(bounds.0, bounds.1);
         }
@@ -116,7 +116,7 @@ fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
 
 impl Drawing {
     /// Writes positions, normals and tangents, and gives the bounds of the positions.
-    fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, skin: &Skin, half: f32) -> (Vec3, Vec3) {
+    fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, half: f32) -> (Vec3, Vec3) {
         surface::normals(&topology.triangles, &self.shown, &mut self.normals);
         let particle = &topology.vertex_particle;
         let back = particle.len();
@@ -143,7 +143,13 @@ impl Drawing {
         if let Some(VertexAttributeValues::Float32x4(tangents)) = values(mesh, Mesh::ATTRIBUTE_TANGENT)
             && self.tangents.len() == back
         {
-            self.tangent_frame.tangents(&skin.triangles, particle, &self.shown, &self.normals, &mut self.tangents);
+            self.tangent_frame.tangents(
+                &topology.triangle_vertices,
+                particle,
+                &self.shown,
+                &self.normals,
+                &mut self.tangents,
+            );
             for (vertex, tangent) in self.tangents.iter().enumerate() {
                 let tangent = self.relation.transform_vector3(*tangent).normalize_or(Vec3::X);
                 let sign = self.tangent_frame.sign(vertex);

@@ -105,7 +105,8 @@ fn apply(cloth: &mut Cloth, change: &str) -> Option<()> {
         // Two slits from the lower edge up, through the links of fifty rows each, in one tick.
         _ => {
             let grid = cloth.topology.grid?;
-            let at = |column: u32, row: u32| cloth.topology.rest[grid.slot(row, column) as usize];
+            let topology = cloth.topology.clone();
+            let at = |column: u32, row: u32| topology.rest[grid.slot(row, column) as usize];
             for column in [grid.columns / 4, grid.columns / 2] {
                 let x = 0.5 * (at(column, 0).x + at(column + 1, 0).x);
                 let (low, high) = (at(0, grid.rows - 1).y - 1.0, at(0, grid.rows - 1 - EDGES / 2).y);

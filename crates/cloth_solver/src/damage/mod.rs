@@ -8,7 +8,7 @@ pub mod fire;
 mod tear;
 
 pub use cut::{Blade, Cut, cut};
-pub use tear::{Split, Tear, Tearing, Torn};
+pub use tear::{Direction, Split, Tear, Tearing, Torn, tear_at};
 
 use crate::constraint::Constraints;
 use crate::topology::{Change, Surgery};

@@ -74,6 +74,11 @@ impl Tear {
         Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, ..Self::default() }
     }
 
+    /// Number of slots it knows.
+    pub fn slots(&self) -> usize {
+        self.weak.len()
+    }
+
     /// The larger load of a slot along weft or warp, N/m.
     pub fn load(&self, slot: usize) -> f32 {
         self.load[0][slot].max(self.load[1][slot])
@@ -114,7 +119,8 @@ impl Tear {
     }
 
     /// Parts what carries more than `tearing` allows, the most overloaded first, where `strength` is a further factor on the
-    /// strength of each slot (of what is charred, say), or empty. `None` if nothing tears, which takes next to no time.
+    /// strength of each slot (of what is charred, say), or empty. `None` if nothing tears, which takes next to no time. What
+    /// tore, this too has to [`follow`](Self::follow).
     pub fn tear(&mut self, topology: &mut Arc<Topology>, tearing: &Tearing, strength: &[f32]) -> Option<Torn> {
         self.find_overloaded(tearing, strength);
         if self.overloaded.is_empty() {
@@ -137,7 +143,6 @@ impl Tear {
             }
         }
         let change = surgery.finish()?;
-        self.follow(&change);
         Some(Torn { change, splits })
     }
 
@@ -152,6 +157,32 @@ impl Tear {
             }
         }
         self.overloaded.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    }
+}
+
+/// Parts `particle` of `topology` as if it were pulled along `pull`; `None` if it cannot be parted.
+pub fn tear_at(topology: &mut Arc<Topology>, particle: u32, pull: Direction) -> Option<Change> {
+    topology.is_particle(particle).then_some(())?;
+    let mut surgery = Surgery::new(Arc::make_mut(topology));
+    split(&mut surgery, particle, pull.along())?;
+    surgery.finish()
+}
+
+/// A direction of the weave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Along the weft: across the cloth.
+    Weft,
+    /// Along the warp: down the cloth.
+    Warp,
+}
+
+impl Direction {
+    fn along(self) -> Along {
+        match self {
+            Self::Weft => Along::Weft,
+            Self::Warp => Along::Warp,
+        }
     }
 }
 

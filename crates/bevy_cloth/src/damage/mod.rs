@@ -1,0 +1,39 @@
+//! What cloth suffers: tears where it may, cuts where a blade goes; and the pieces that come of it.
+
+mod apply;
+mod cut;
+mod pieces;
+mod tear;
+
+use bevy::mesh::{MeshVertexAttribute, VertexFormat};
+use bevy::prelude::*;
+
+use crate::schedule::{ClothSchedule, ClothSystems};
+
+#[cfg(feature = "picking")]
+pub(crate) use apply::Whole;
+pub use cut::CutCloth;
+#[cfg(feature = "picking")]
+pub(crate) use cut::CutStroke;
+pub use pieces::{ClothPiece, ClothPieces};
+pub(crate) use tear::TearState;
+pub use tear::{TearCloth, Tearable};
+
+/// A factor on the strength of a cloth that is [`Tearable`] at each vertex of the mesh it is made from, 0 to 1: paint the
+/// seams that shall give first.
+pub const ATTRIBUTE_STRENGTH: MeshVertexAttribute =
+    MeshVertexAttribute::new("ClothStrength", 0x636c_6f74_6874, VertexFormat::Float32);
+
+/// Adds the systems of this folder.
+pub(crate) fn plugin(app: &mut App) {
+    use crate::events::{ClothCut, ClothTorn, DebrisGone, PiecesSeparated};
+    app.add_message::<ClothTorn>()
+        .add_message::<ClothCut>()
+        .add_message::<PiecesSeparated>()
+        .add_message::<DebrisGone>()
+        .register_type::<Tearable>()
+        .add_systems(ClothSchedule, (tear::tear, pieces::clear_debris).chain().in_set(ClothSystems::Tear))
+        .add_observer(cut::on_cut)
+        .add_observer(tear::on_tear)
+        .add_observer(tear::on_removed);
+}

@@ -21,6 +21,7 @@ pub mod topology;
 mod lanes;
 
 pub use cloth::{Cloth, Tick};
+pub use damage::fire::{Fire, Flammable};
 pub use error::ClothError;
 pub use fabric::Fabric;
 pub use method::Method;

@@ -6,6 +6,7 @@ pub mod closed;
 mod contact;
 mod fan;
 pub mod finding;
+mod fire;
 mod hang;
 mod motion;
 mod plane;
@@ -56,6 +57,9 @@ const CHECKS: &[Check] = &[
     ("contact depth", contact::depth),
     ("air: fall", air::fall),
     ("air: wind", air::wind),
+    ("fire: spread", fire::spread),
+    ("fire: slope, mass and tick", fire::slope),
+    ("fire: ignition", fire::ignition),
     ("fan: jet", fan::jet),
     ("fan: panel", fan::panel),
     ("gusts", fan::gusts),

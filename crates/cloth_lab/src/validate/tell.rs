@@ -23,6 +23,9 @@ const NOTES: &str = "\
 - **Membrane.** Expected are the frequencies of the grid of 20 cells; the continuous ones are 5.0000, 7.9057, 10.0000 Hz.
 - **Stiffness in the plane.** A free square is pulled at its border. The energies are those of a membrane without Poisson
   effect: 1/E(45°) = (1/Y_u + 1/Y_v + 1/G)/4, and across it (1/Y_u + 1/Y_v − 1/G)/4.
+- **Fire** burns strips that do not move, lit over a whole end; rates are slopes of place over time past the first quarter.
+  Expected is what was measured on hanging cotton; the preheat lengths were taken from there, so that what is checked is
+  whether meshes, ticks, slopes and masses change it. The 45° test is that of 16 CFR 1610. Acceleration upward is not modelled.
 - **Fan.** The free round jet on its axis, across, and integrated over its cross-section; the force is that on a
   panel of cloth.
 - **Gusts.** Means over many places; divergence and gradient by differences over 1 cm.

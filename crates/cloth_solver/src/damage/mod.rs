@@ -1,9 +1,10 @@
-//! What cloth can suffer: cuts, tears, holes.
+//! What cloth can suffer: cuts, tears, holes, fire.
 //!
-//! Each changes the topology and tells by a [`Change`] what became of particles and triangles; [`follow`] brings the rest
+//! Cuts and tears change the topology and tell by a [`Change`] what became of particles and triangles; [`follow`] brings the rest
 //! of the cloth up to it.
 
 mod cut;
+pub mod fire;
 mod tear;
 
 pub use cut::{Blade, Cut, cut};

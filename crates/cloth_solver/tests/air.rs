@@ -193,7 +193,7 @@ fn a_flag_in_a_gale_of_a_million_metres_a_second_stays_finite_and_comes_back() {
     flag.wind = WindField::default();
     run(&mut flag, 1.0);
     let stretched = measure::largest_strain(&flag.topology, &flag.particles);
-    assert!(stretched < 0.01, "still stretched by {stretched}");
+    assert!(stretched < Fabric::FLAG_POLYESTER.stretch_limit, "still stretched by {stretched}");
 }
 
 #[test]

@@ -35,6 +35,13 @@ pub(crate) struct Surroundings {
     field: WindField,
 }
 
+impl Surroundings {
+    /// Velocity of the air at a point of the cloth's frame, m/s.
+    pub fn wind_at(&self, point: Vec3) -> Vec3 {
+        self.field.at(point)
+    }
+}
+
 /// The wind that all cloths without one of their own share, as it goes by.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct SharedWind(GustyWind);

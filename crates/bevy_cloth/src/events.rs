@@ -111,6 +111,43 @@ pub struct DebrisGone {
     pub triangles: u32,
 }
 
+/// A cloth that did not burn burst into flame.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothIgnited {
+    /// The cloth.
+    pub entity: Entity,
+    /// The first particle in flames.
+    pub particle: u32,
+    /// Where it stands in the world, m.
+    pub position: Vec3,
+}
+
+/// Triangles of a cloth burnt through and are gone.
+///
+/// An event at the entity and a message, in each tick in which it happens.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothBurntThrough {
+    /// The cloth.
+    pub entity: Entity,
+    /// A corner of the first of them.
+    pub particle: u32,
+    /// Where it stood in the world, m.
+    pub position: Vec3,
+    /// How many.
+    pub triangles: u32,
+}
+
+/// The fire of a cloth went out, and all of it is as cold as the air.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothBurntOut {
+    /// The cloth.
+    pub entity: Entity,
+}
+
 /// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works while the clock is paused.
 ///
 /// ```

@@ -104,11 +104,14 @@ pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
-pub use damage::{ATTRIBUTE_STRENGTH, ClothPiece, ClothPieces, CutCloth, TearCloth, Tearable};
+pub use damage::{
+    ATTRIBUTE_STRENGTH, ClothFire, ClothPiece, ClothPieces, Contagion, CutCloth, Flammability, Flammable, IgniteCloth,
+    TearCloth, Tearable, WetCloth,
+};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
-    ClothCut, ClothRecovered, ClothRejected, ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated,
-    ResetCloth, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothRecovered, ClothRejected, ClothReset, ClothTorn,
+    ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking};

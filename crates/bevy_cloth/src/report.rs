@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 
 use crate::events::{
-    ClothCut, ClothRecovered, ClothRejected, ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated,
-    WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothRecovered, ClothRejected, ClothReset, ClothTorn,
+    ColliderRejected, DebrisGone, PiecesSeparated, WindRejected,
 };
 
 /// What can be told.
@@ -64,6 +64,24 @@ impl Report for PiecesSeparated {
 impl Report for DebrisGone {
     fn log(&self, name: &str) {
         debug!("cloth {name} lost debris of {} triangles", self.triangles);
+    }
+}
+
+impl Report for ClothIgnited {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} burst into flame at particle {}", self.particle);
+    }
+}
+
+impl Report for ClothBurntThrough {
+    fn log(&self, name: &str) {
+        trace!("{} triangles of cloth {name} burnt through", self.triangles);
+    }
+}
+
+impl Report for ClothBurntOut {
+    fn log(&self, name: &str) {
+        debug!("the fire of cloth {name} went out");
     }
 }
 

@@ -8,6 +8,7 @@ use cloth_solver::cloth::Constraints;
 use cloth_solver::topology::Change;
 use cloth_solver::{Particles, Topology, damage};
 
+use super::fire::ClothFire;
 use super::pieces::ClothPieces;
 use super::tear::TearState;
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
@@ -28,6 +29,7 @@ pub(crate) struct Whole {
     pub constraints: &'static mut Constraints,
     pub history: &'static mut ClothHistory,
     pub tear: Option<&'static mut TearState>,
+    pub fire: Option<&'static mut ClothFire>,
     pub grabs: Option<&'static mut Grabs>,
     pub pieces: Option<&'static mut ClothPieces>,
 }
@@ -44,6 +46,9 @@ impl WholeItem<'_, '_> {
         self.history.position.follow(change);
         if let Some(tear) = &mut self.tear {
             tear.0.follow(change);
+        }
+        if let Some(fire) = &mut self.fire {
+            fire.follow(&now, change);
         }
         if !change.vertices.is_empty() {
             Arc::make_mut(&mut self.skin.0).follow(change);

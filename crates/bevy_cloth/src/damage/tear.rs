@@ -88,7 +88,10 @@ pub(crate) fn tear(
         let strength = fabric.copied().unwrap_or_default().strength * tearable.scale;
         let tearing = Tearing { strength, splits: tearable.splits, weakening: tearable.weakening };
         let mut now = cloth.topology.0.clone();
-        let Some(torn) = state.0.tear(&mut now, &tearing, &[]) else { continue };
+        let Some(torn) = state.0.tear(&mut now, &tearing, cloth.fire.as_ref().map_or(&[], |fire| fire.strength()))
+        else {
+            continue;
+        };
         let places: Vec<Vec3> = torn.splits.iter().map(|split| cloth.place(split.particle)).collect();
         cloth.become_(now, &torn.change, &mut commands);
         for (split, position) in torn.splits.iter().zip(places) {

@@ -11,7 +11,7 @@ use super::{DrawnMesh, anchors};
 use crate::Air;
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
-use crate::damage::Tearable;
+use crate::damage::{Flammable, Tearable};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::weights::Weights;
@@ -33,6 +33,7 @@ pub(crate) struct Authored {
     gravity: Option<Gravity>,
     substeps: Option<Substeps>,
     tearable: Option<Tearable>,
+    flammable: Option<Flammable>,
     air: Option<Air>,
     wind: Option<Wind>,
     gusts: Option<Gusts>,
@@ -102,6 +103,7 @@ pub(crate) struct Wanted {
     gravity: Option<Ref<'static, Gravity>>,
     substeps: Option<Ref<'static, Substeps>>,
     tearable: Option<Ref<'static, Tearable>>,
+    flammable: Option<Ref<'static, Flammable>>,
     air: Option<Ref<'static, Air>>,
     wind: Option<Ref<'static, Wind>>,
     gusts: Option<Ref<'static, Gusts>>,
@@ -191,6 +193,7 @@ impl WantedItem<'_, '_> {
                 || differs(&self.gravity, &seen.gravity)
                 || differs(&self.substeps, &seen.substeps)
                 || differs(&self.tearable, &seen.tearable)
+                || differs(&self.flammable, &seen.flammable)
                 || differs(&self.air, &seen.air)
                 || differs(&self.wind, &seen.wind)
                 || differs(&self.gusts, &seen.gusts)
@@ -225,6 +228,7 @@ impl WantedItem<'_, '_> {
         seen.gravity = self.gravity.as_deref().copied();
         seen.substeps = self.substeps.as_deref().copied();
         seen.tearable = self.tearable.as_deref().copied();
+        seen.flammable = self.flammable.as_deref().copied();
         seen.air = self.air.as_deref().copied();
         seen.wind = self.wind.as_deref().copied();
         seen.gusts = self.gusts.as_deref().copied();
@@ -237,9 +241,11 @@ impl WantedItem<'_, '_> {
         let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
         let air = self.air.as_deref().map_or(Ok(()), Air::validate);
         let tearable = self.tearable.as_deref().map_or(Ok(()), Tearable::validate);
+        let flammable = self.flammable.as_deref().map_or(Ok(()), Flammable::validate);
         let wind = self.wind.as_deref().unwrap_or(wind).validate();
         let gusts = self.gusts.as_deref().unwrap_or(gusts).validate();
-        self.authored.faults.settings = gravity.and(substeps).and(tearable).and(air).and(wind).and(gusts).err();
+        self.authored.faults.settings =
+            gravity.and(substeps).and(tearable).and(flammable).and(air).and(wind).and(gusts).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -19,7 +19,7 @@ use super::source::shape;
 use super::{ClothSkin, StepPlan};
 use crate::air::Wind;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
-use crate::damage::{ClothPieces, TearState};
+use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::events::ClothRejected;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
@@ -136,8 +136,8 @@ impl WantedItem<'_, '_> {
                         let mut entity = commands.entity(self.entity);
                         entity.try_insert(state);
                         if renew {
-                            // What was held or torn is no more.
-                            entity.try_remove::<(Grabs, ClothPieces, TearState)>();
+                            // What was held, torn or burnt is no more.
+                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire)>();
                         }
                     }
                 }

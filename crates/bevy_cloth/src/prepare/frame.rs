@@ -10,7 +10,7 @@ use cloth_solver::{Fabric, Method, Particles, Pose, Soa3};
 use super::placement::{Placement, Placements};
 use super::{Anchors, Authored};
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
-use crate::damage::ClothPieces;
+use crate::damage::{ClothFire, ClothPieces};
 use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
 use crate::report::report;
@@ -224,6 +224,7 @@ pub(crate) struct Resettable {
     topology: &'static ClothTopology,
     authored: &'static mut Authored,
     is_damaged: Has<ClothPieces>,
+    fire: Option<&'static ClothFire>,
 }
 
 /// Answers [`ResetCloth`]. A cloth that was taken apart is built anew.
@@ -231,7 +232,7 @@ pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut
     if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
         reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints);
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
-        if cloth.is_damaged {
+        if cloth.is_damaged || cloth.fire.is_some_and(|fire| fire.scarred || fire.is_warm()) {
             cloth.authored.forget_shape();
         }
         report(&mut commands, ClothReset { entity: asked.entity });

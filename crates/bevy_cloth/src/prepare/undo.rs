@@ -9,7 +9,7 @@ use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
 use crate::air::Surroundings;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
-use crate::damage::{ClothPieces, TearState};
+use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::settings::Grabs;
 use crate::weights::Loads;
 
@@ -17,7 +17,7 @@ use crate::weights::Loads;
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
-    (ClothPieces, TearState),
+    (ClothPieces, TearState, ClothFire),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

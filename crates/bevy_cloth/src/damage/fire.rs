@@ -1,0 +1,222 @@
+//! Fire on cloth that is [`Flammable`]: lit and put out by order, told, and taken over into mass, stiffness and triangles.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use cloth_solver::constraint::Wear;
+use cloth_solver::damage;
+use cloth_solver::damage::fire::{Fire, Flammable, Surroundings};
+
+use super::apply::Whole;
+use crate::Fabric;
+use crate::air::{self, Wind};
+use crate::cloth::ClothRejection;
+use crate::events::{ClothBurntOut, ClothBurntThrough, ClothIgnited};
+use crate::prepare::StepPlan;
+use crate::report::report;
+use crate::settings::Shared;
+use crate::step::ClothTick;
+
+/// The fire of a running cloth that is [`Flammable`]. Read-only: temperature, fuel and char of each particle.
+#[derive(Component, Clone, Debug, Deref)]
+#[component(clone_behavior = Ignore)]
+pub struct ClothFire {
+    #[deref]
+    fire: Fire,
+    /// What of its mass each slot still had when that was last taken over.
+    mass_factor: Vec<f32>,
+    /// Whether it was burning a tick ago.
+    burning: bool,
+    /// Whether anything was ever scorched.
+    pub(crate) scarred: bool,
+}
+
+impl ClothFire {
+    fn new(fire: Fire) -> Self {
+        let mass_factor = vec![1.0; fire.mass_factor().len()];
+        Self { fire, mass_factor, burning: false, scarred: false }
+    }
+
+    /// Takes over what was torn or cut.
+    pub(crate) fn follow(&mut self, now: &cloth_solver::Topology, change: &cloth_solver::topology::Change) {
+        self.fire.follow(now, change);
+        self.mass_factor.resize(change.slots, 1.0);
+        for born in &change.born {
+            self.mass_factor[born.slot as usize] = born.blend(|slot| self.mass_factor[slot]);
+        }
+    }
+}
+
+/// Trigger this to hold a match to a cloth that is [`Flammable`]: what is dry within `radius` lights. Told by
+/// [`ClothIgnited`]. Works while the clock is paused.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct IgniteCloth {
+    /// The cloth.
+    pub entity: Entity,
+    /// Where, in the world, m.
+    pub position: Vec3,
+    /// How far the match reaches, m; 0 to 10,000. The nearest particle lights in any case.
+    pub radius: f32,
+}
+
+/// Trigger this to pour water on a cloth that is [`Flammable`]: it goes out there, and does not light until it is dry.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct WetCloth {
+    /// The cloth.
+    pub entity: Entity,
+    /// Where, in the world, m.
+    pub position: Vec3,
+    /// How far the water spreads, m; 0 to 10,000.
+    pub radius: f32,
+    /// Water, kg/m²; 0 to 100. Cotton soaks up about 0.3.
+    pub water: f32,
+}
+
+/// Burns what is alight.
+pub(crate) fn burn(
+    mut cloths: Query<
+        (Whole, Ref<Flammable>, Option<Ref<Fabric>>, Option<&Wind>, Option<&air::Surroundings>, &StepPlan),
+        Without<ClothRejection>,
+    >,
+    shared: Res<Shared<Wind>>,
+    tick: Res<ClothTick>,
+    mut commands: Commands,
+) {
+    for (mut cloth, flammable, fabric, own_wind, around, plan) in &mut cloths {
+        if plan.substeps == 0 || tick.still {
+            continue;
+        }
+        let slots = cloth.topology.slots();
+        let is_changed = flammable.is_changed() || fabric.as_ref().is_some_and(|fabric| fabric.is_changed());
+        let fabric = fabric.map_or_else(Fabric::default, |fabric| *fabric);
+        let Some(fire) = cloth.fire.as_mut().filter(|fire| fire.mass_factor.len() == slots) else {
+            // Both were checked, or the cloth would be rejected.
+            if let Ok(fire) = Fire::new(&cloth.topology, &fabric, &flammable) {
+                commands.entity(cloth.entity).try_insert(ClothFire::new(fire));
+            }
+            continue;
+        };
+        if is_changed && fire.fire.set(&cloth.topology, &fabric, &flammable).is_err() {
+            continue;
+        }
+        if !fire.is_warm() {
+            if fire.burning {
+                fire.burning = false;
+                report(&mut commands, ClothBurntOut { entity: cloth.entity });
+            }
+            if is_changed && fire.scarred {
+                cloth.take_over_fire();
+            }
+            continue;
+        }
+        let gravity = cloth.particles.acceleration;
+        let centre = cloth_solver::measure::centre_of_mass(&cloth.particles).as_vec3();
+        let wind = match around {
+            Some(around) => around.wind_at(centre),
+            None => cloth.frame.pose.rotation.conjugate() * own_wind.unwrap_or(&shared).0,
+        };
+        let surroundings = Surroundings { wind, up: -gravity, ..default() };
+        if let Err(error) = fire.fire.burn(&cloth.topology, &cloth.particles, &surroundings, tick.dt) {
+            error!("the fire on cloth {} stands still: {error}", cloth.entity);
+            continue;
+        }
+        let first = fire.ignited().iter().min().copied();
+        if let Some(particle) = first.filter(|_| !fire.burning) {
+            fire.burning = true;
+            let position = cloth.place(particle);
+            report(&mut commands, ClothIgnited { entity: cloth.entity, particle, position });
+        }
+        cloth.take_over_fire();
+        cloth.burn_through(&mut commands);
+    }
+}
+
+impl super::apply::WholeItem<'_, '_> {
+    /// Lets mass and stiffness be what the fire left of them.
+    fn take_over_fire(&mut self) {
+        let Some(fire) = &mut self.fire else { return };
+        fire.scarred = true;
+        let ClothFire { fire, mass_factor, .. } = &mut **fire;
+        for (slot, (known, now)) in mass_factor.iter_mut().zip(fire.mass_factor()).enumerate() {
+            if *known != *now {
+                let ratio = *now / *known;
+                self.particles.mass[slot] *= ratio;
+                self.particles.inertia[slot] *= ratio;
+                *known = *now;
+            }
+        }
+        self.constraints.wear(Some(Wear { stiffness: fire.stiffness(), rest: fire.rest_scale() }));
+    }
+
+    /// Takes out what is burnt through.
+    fn burn_through(&mut self, commands: &mut Commands) {
+        let Some(fire) = &self.fire else { return };
+        let gone = fire.burnt_through().to_vec();
+        let Some(first) = gone.first() else { return };
+        let particle = self.topology.triangles[*first as usize][0];
+        let position = self.place(particle);
+        let mut now = self.topology.0.clone();
+        let Some(change) = damage::remove(Arc::make_mut(&mut now), &gone) else { return };
+        self.become_(now, &change, commands);
+        self.take_over_fire();
+        let triangles = gone.len() as u32;
+        report(commands, ClothBurntThrough { entity: self.entity, particle, position, triangles });
+    }
+}
+
+/// Answers [`IgniteCloth`].
+pub(crate) fn on_ignite(
+    asked: On<IgniteCloth>,
+    mut cloths: Query<(Whole, &Flammable, Option<&Fabric>)>,
+    mut commands: Commands,
+) {
+    let Ok((mut cloth, flammable, fabric)) = cloths.get_mut(asked.entity) else { return };
+    let local = cloth.frame.to_local(asked.position);
+    let light = |fire: &mut ClothFire, particles: &cloth_solver::Particles, topology: &cloth_solver::Topology| {
+        let lit = fire.fire.ignite(particles, local, asked.radius)?;
+        let distance = |slot: &u32| particles.position.get(*slot as usize).distance_squared(local);
+        match topology.particles().min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+            Some(nearest) if lit == 0 => fire.fire.ignite_particle(nearest).map(|_| ()),
+            _ => Ok(()),
+        }
+    };
+    let result = match &mut cloth.fire {
+        Some(fire) => light(fire, &cloth.particles, &cloth.topology),
+        None => Fire::new(&cloth.topology, &fabric.copied().unwrap_or_default(), flammable).and_then(|fire| {
+            let mut fire = ClothFire::new(fire);
+            light(&mut fire, &cloth.particles, &cloth.topology)?;
+            commands.entity(cloth.entity).try_insert(fire);
+            Ok(())
+        }),
+    };
+    if let Err(error) = result {
+        warn!("cloth {} was not lit: {error}", asked.entity);
+    }
+}
+
+/// Answers [`WetCloth`].
+pub(crate) fn on_wet(
+    asked: On<WetCloth>,
+    mut cloths: Query<(Whole, &Flammable, Option<&Fabric>)>,
+    mut commands: Commands,
+) {
+    let Ok((mut cloth, flammable, fabric)) = cloths.get_mut(asked.entity) else { return };
+    let local = cloth.frame.to_local(asked.position);
+    let WetCloth { radius, water, .. } = *asked;
+    let result = match &mut cloth.fire {
+        Some(fire) => fire.fire.wet(&cloth.particles, local, radius, water),
+        None => Fire::new(&cloth.topology, &fabric.copied().unwrap_or_default(), flammable).and_then(|mut fire| {
+            fire.wet(&cloth.particles, local, radius, water)?;
+            commands.entity(cloth.entity).try_insert(ClothFire::new(fire));
+            Ok(())
+        }),
+    };
+    if let Err(error) = result {
+        warn!("cloth {} was not wetted: {error}", asked.entity);
+    }
+}
+
+/// Puts out the fire of a cloth that is no longer flammable. What it did stays.
+pub(crate) fn on_removed(removed: On<Remove, Flammable>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<ClothFire>();
+}

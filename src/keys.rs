@@ -32,7 +32,7 @@ const BINDINGS: [(KeyCode, &str, &str, Action); 10] = [
     (KeyCode::Space, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
     (KeyCode::KeyR, "R", "reset all cloth", Action::Reset),
-    (KeyCode::KeyC, "C", "colour by material or stress", Action::Coloring),
+    (KeyCode::KeyC, "C", "colour by material, stress, strain, temperature, speed, contact", Action::Coloring),
     (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
     (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
@@ -104,10 +104,8 @@ fn act(
             }
             Action::Reset => clothes.iter().for_each(|entity| commands.trigger(ResetCloth { entity })),
             Action::Coloring => {
-                coloring.0 = match coloring.0 {
-                    ClothColoring::Material => ClothColoring::Stress,
-                    ClothColoring::Stress => ClothColoring::Material,
-                }
+                let now = ClothColoring::ALL.iter().position(|known| *known == coloring.0).unwrap_or(0);
+                coloring.0 = ClothColoring::ALL[(now + 1) % ClothColoring::ALL.len()];
             }
             Action::Fans => {
                 let on = !fans.iter().any(|fan| fan.on);

@@ -114,7 +114,7 @@ pub use events::{
     ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
-pub use picking::{ClothHit, ClothPicking};
+pub use picking::{ClothHit, ClothPicking, FireTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
 pub use render::ClothColoring;

@@ -70,9 +70,11 @@ pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
         });
         edit_own_or_shared(world, cloth, |coloring: &mut ClothColoring| {
             widgets::row(ui, "colours", "", |ui| {
-                ui.horizontal(|ui| {
-                    ui.selectable_value(coloring, ClothColoring::Material, "material");
-                    ui.selectable_value(coloring, ClothColoring::Stress, "stress");
+                let name = |coloring: ClothColoring| format!("{coloring:?}").to_lowercase();
+                egui::ComboBox::from_id_salt("colours").selected_text(name(*coloring)).width(150.0).show_ui(ui, |ui| {
+                    for choice in ClothColoring::ALL {
+                        ui.selectable_value(coloring, choice, name(choice));
+                    }
                 });
             });
         });

@@ -1,7 +1,8 @@
-//! Picking: a backend on the deformed surface, the hand that grabs, and the blade that cuts.
+//! Picking: a backend on the deformed surface, the hand that grabs, the blade that cuts, and match and water.
 
 mod backend;
 mod blade;
+mod fire;
 mod hand;
 
 use bevy::asset::uuid_handle;
@@ -10,6 +11,17 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::picking::mesh_picking::ray_cast::SimplifiedMesh;
 use bevy::picking::pointer::{PointerButton, PointerInput};
 use bevy::prelude::*;
+
+/// What a pointer brings to cloth that may burn.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum FireTool {
+    /// A match: sets alight.
+    #[default]
+    Match,
+    /// Water, half a litre a square metre within 15 cm: puts out, and wets.
+    Water,
+}
 
 /// How pointers meet cloth.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
@@ -22,6 +34,11 @@ pub struct ClothPicking {
     /// The button that cuts while it is held and the pointer moves, or `None` for no cutting. Default the secondary (right)
     /// button.
     pub cut_button: Option<PointerButton>,
+    /// The button that uses [`ClothPicking::tool`] on cloth that is [`Flammable`](crate::Flammable), or `None`. Default the
+    /// middle button.
+    pub tool_button: Option<PointerButton>,
+    /// What that button does. Default it ignites.
+    pub tool: FireTool,
     /// Stiffness of the hand, N/m; 0.001 to 10,000,000. Default 200.
     pub stiffness: f32,
     /// The hand never pulls harder than this, N; 0 to 1,000,000. Default 20.
@@ -34,6 +51,8 @@ impl Default for ClothPicking {
             enabled: true,
             button: Some(PointerButton::Primary),
             cut_button: Some(PointerButton::Secondary),
+            tool_button: Some(PointerButton::Middle),
+            tool: FireTool::Match,
             stiffness: 200.0,
             max_force: 20.0,
         }
@@ -89,6 +108,7 @@ pub(crate) fn plugin(app: &mut App) {
         .init_resource::<hand::Hands>()
         .init_resource::<blade::Strokes>()
         .add_observer(hand::grab)
+        .add_observer(fire::use_tool)
         .add_systems(
             PreUpdate,
             (

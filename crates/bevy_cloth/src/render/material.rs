@@ -81,15 +81,16 @@ pub(crate) fn color(
     for (entity, mut material, coloring, uncolored) in &mut cloths {
         let white = material.0 == materials.white;
         match (coloring.unwrap_or(&shared), uncolored) {
-            (ClothColoring::Stress, _) if !white => {
-                commands.entity(entity).try_insert(Uncolored(material.0.clone()));
-                material.0 = materials.white.clone();
-            }
             (ClothColoring::Material, Some(own)) => {
                 if white {
                     material.0 = own.0.clone();
                 }
                 commands.entity(entity).try_remove::<Uncolored>();
+            }
+            (ClothColoring::Material, None) => {}
+            _ if !white => {
+                commands.entity(entity).try_insert(Uncolored(material.0.clone()));
+                material.0 = materials.white.clone();
             }
             _ => {}
         }

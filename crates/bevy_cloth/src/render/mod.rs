@@ -1,6 +1,7 @@
 //! What is drawn: a mesh for each cloth, its bounds and its colours.
 
 mod attach;
+mod color;
 mod material;
 mod surface;
 mod write;
@@ -25,10 +26,25 @@ pub enum ClothColoring {
     /// The entity's material, and the vertex colours of the mesh it was made from if it had some.
     #[default]
     Material,
-    /// Strain of the weave: blue at rest, by green and yellow to red at the fabric's
-    /// [`stretch_limit`](cloth_solver::Fabric::stretch_limit). A [`StandardMaterial`] is replaced by a white one
-    /// meanwhile, so that the colours are true; any other material is multiplied by them.
+    /// Stress: blue at rest, by green and yellow to red at the limit. The larger of fire damage and of the load over the
+    /// strength of a cloth that is [`Tearable`](crate::Tearable), or of the strain over the fabric's
+    /// [`stretch_limit`](cloth_solver::Fabric::stretch_limit) of one that is not. Here and below a [`StandardMaterial`] is
+    /// replaced by a white one meanwhile, so that the colours are true; any other material is multiplied by them.
     Stress,
+    /// Strain along warp or weft, stretched or compressed: red at the fabric's stretch limit.
+    Strain,
+    /// Temperature: blue in a room, red in a flame.
+    Temperature,
+    /// Speed: blue at rest, red from 5 m/s on.
+    Speed,
+    /// Contact: red where the cloth touches a collider.
+    Contact,
+}
+
+impl ClothColoring {
+    /// All colourings.
+    pub const ALL: [Self; 6] =
+        [Self::Material, Self::Stress, Self::Strain, Self::Temperature, Self::Speed, Self::Contact];
 }
 
 /// Adds the systems of this folder.

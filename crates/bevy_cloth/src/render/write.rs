@@ -4,9 +4,10 @@ use bevy::camera::primitives::Aabb;
 use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use cloth_solver::{Fabric, Particles, Pose, Soa3, Topology, measure};
+use cloth_solver::{Fabric, Particles, Pose, Soa3, Topology};
 
 use super::ClothColoring;
+use super::color::{Told, ToldItem};
 use super::material::StressColors;
 use super::surface::{self, TangentFrame};
 use crate::clock::{ClothClock, ClothTime};
@@ -23,7 +24,7 @@ pub(crate) struct Drawing {
     normals: Vec<Vec3>,
     tangents: Vec<Vec3>,
     tangent_frame: TangentFrame,
-    strain: Vec<f32>,
+    shares: Vec<f32>,
     /// From the cloth's frame to that of the entity as drawn, scale included.
     relation: Affine3A,
     coloring: Option<ClothColoring>,
@@ -40,7 +41,7 @@ impl Drawing {
             normals: vec![Vec3::Z; slots],
             tangents: vec![Vec3::X; tangents],
             tangent_frame: TangentFrame::new(&topology.triangle_vertices, &skin.uvs),
-            strain: Vec::new(),
+            shares: Vec::new(),
             relation: Affine3A::IDENTITY,
             coloring: None,
             written: false,
@@ -67,7 +68,7 @@ pub(crate) fn write(
         Ref<Particles>,
         Option<&Fabric>,
         Option<&ClothColoring>,
-        &DrawnMesh,
+        (&DrawnMesh, Told),
         &mut Drawing,
         Option<&mut Aabb>,
     )>,
@@ -77,15 +78,17 @@ pub(crate) fn write(
     mut meshes: ResMut<Assets<Mesh>>,
     stress_colors: Local<StressColors>,
 ) {
-    for (entity, (topology, skin, frame, history), particles, fabric, coloring, mesh, mut drawing, aabb) in &mut cloths
+    for (entity, (topology, skin, frame, history), particles, fabric, coloring, (mesh, told), mut drawing, aabb) in
+        &mut cloths
     {
         let drawing = &mut *drawing;
         let coloring = *coloring.unwrap_or(&shared);
         let relation = relation(&frame.pose, placements.affine(entity));
         let Some(relation) = relation.filter(|relation| relation.is_finite()) else { continue };
         let moved = drawing.show(&history.position, &particles.position, time.interpolation());
-        let recolored =
-            drawing.coloring != Some(coloring) || (coloring == ClothColoring::Stress && particles.is_changed());
+        let recolored = drawing.coloring != Some(coloring)
+            || (coloring != ClothColoring::Material && particles.is_changed())
+            || told.is_burning();
         if drawing.written && !moved && !recolored && relation == drawing.relation {
             continue;
         }
@@ -99,7 +102,7 @@ pub(crate) fn write(
         }
         if recolored {
             drawing.coloring = Some(coloring);
-            drawing.write_colors(&mut mesh, topology, &skin.0, &particles, &fabric, &stress_colors);
+            drawing.write_colors(&mut mesh, topology, &skin.0, &particles, &fabric, &told, &stress_colors);
         }
     }
 }
@@ -168,28 +171,24 @@ impl Drawing {
         skin: &Skin,
         particles: &Particles,
         fabric: &Fabric,
+        told: &ToldItem,
         stress_colors: &StressColors,
     ) {
         let vertices = topology.vertex_particle.len();
-        let stressed = self.coloring == Some(ClothColoring::Stress);
-        if !stressed && skin.colors.len() != vertices {
+        let coloring = self.coloring.unwrap_or_default();
+        if coloring == ClothColoring::Material && skin.colors.len() != vertices && told.is_sound() {
             let _ = mesh.try_remove_attribute(Mesh::ATTRIBUTE_COLOR);
             return;
         }
-        if stressed {
-            measure::particle_strain(topology, particles, &mut self.strain);
-        }
+        told.shares(coloring, topology, particles, fabric, &mut self.shares);
         let white = [[1.0; 4]].into_iter().cycle().take(2 * vertices);
         if !matches!(values(mesh, Mesh::ATTRIBUTE_COLOR), Some(VertexAttributeValues::Float32x4(_))) {
             let _ = mesh.try_insert_attribute(Mesh::ATTRIBUTE_COLOR, white.collect::<Vec<_>>());
         }
         if let Some(VertexAttributeValues::Float32x4(colors)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
-                let color = if stressed {
-                    stress_colors.at(self.strain[*slot as usize] / fabric.stretch_limit)
-                } else {
-                    skin.colors[vertex]
-                };
+                let own = skin.colors.get(vertex).copied().unwrap_or([1.0; 4]);
+                let color = told.color(coloring, *slot, own, &self.shares, stress_colors);
                 (colors[vertex], colors[vertex + vertices]) = (color, color);
             }
         }

@@ -63,6 +63,15 @@ impl Contacts {
         (fabric.thickness / 2.0).max(mean / 8.0)
     }
 
+    /// Whether a particle at `point` touches a collider where that stands at the end of the tick: nearer than a tenth beyond the
+    /// distance kept.
+    pub fn touches(&self, point: Vec3) -> bool {
+        self.colliders.iter().any(|collider| {
+            let local = collider.motion.to.inverse_point(point);
+            collider.shape.distance_and_normal(local).0 < 1.1 * self.offset
+        })
+    }
+
     /// Replaces the colliders of this tick, keeping the allocation.
     pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
         self.colliders.clear();

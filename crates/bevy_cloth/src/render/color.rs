@@ -1,0 +1,117 @@
+//! What the colours of a cloth are.
+
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+use cloth_solver::contact::Contacts;
+use cloth_solver::damage::fire::{FLAME_TEMPERATURE, ROOM_TEMPERATURE, Stage};
+use cloth_solver::{Fabric, Particles, Topology, measure};
+
+use super::ClothColoring;
+use super::material::StressColors;
+use crate::damage::{ClothFire, TearState, Tearable};
+
+/// Speed that is shown as the largest, m/s: of a fall from 1.3 m.
+const FASTEST: f32 = 5.0;
+
+/// Linear colour of a glowing rim: brighter than white, so that it shines where the camera blooms.
+const EMBER: [f32; 3] = [6.0, 1.2, 0.15];
+
+/// What colours follow from beside the particles.
+#[derive(QueryData)]
+pub(crate) struct Told {
+    contacts: &'static Contacts,
+    tear: Option<&'static TearState>,
+    tearable: Option<&'static Tearable>,
+    fire: Option<Ref<'static, ClothFire>>,
+}
+
+impl ToldItem<'_, '_> {
+    /// Whether the colours are other ones than a tick ago, whatever the particles did.
+    pub fn is_burning(&self) -> bool {
+        self.fire.as_ref().is_some_and(|fire| fire.is_warm() || fire.is_changed())
+    }
+
+    /// Whether the material's own colours are to be seen as they are.
+    pub fn is_sound(&self) -> bool {
+        self.fire.as_ref().is_none_or(|fire| !fire.scarred)
+    }
+
+    /// Fills `shares`, one for each slot, with what `coloring` tells: 0 where nothing is, 1 at its limit.
+    pub fn shares(
+        &self,
+        coloring: ClothColoring,
+        topology: &Topology,
+        particles: &Particles,
+        fabric: &Fabric,
+        shares: &mut Vec<f32>,
+    ) {
+        if matches!(coloring, ClothColoring::Stress | ClothColoring::Strain) {
+            measure::particle_strain(topology, particles, shares);
+            shares.iter_mut().for_each(|share| *share /= fabric.stretch_limit);
+        } else {
+            shares.clear();
+            shares.resize(topology.slots(), 0.0);
+        }
+        match coloring {
+            ClothColoring::Material | ClothColoring::Strain => {}
+            ClothColoring::Stress => {
+                for (slot, share) in shares.iter_mut().enumerate() {
+                    let torn = self.tear.zip(self.tearable).filter(|(tear, _)| slot < tear.0.slots());
+                    let load = torn.map(|(tear, tearable)| {
+                        tear.0.load(slot) / (fabric.strength * tearable.scale * tear.0.strength(slot))
+                    });
+                    let burnt = self.fire.as_ref().and_then(|fire| fire.char().get(slot).copied());
+                    *share = load.unwrap_or(*share).max(burnt.unwrap_or(0.0));
+                }
+            }
+            ClothColoring::Temperature => {
+                for (share, kelvin) in shares.iter_mut().zip(self.fire.iter().flat_map(|fire| fire.temperature())) {
+                    *share = (kelvin - ROOM_TEMPERATURE) / (FLAME_TEMPERATURE - ROOM_TEMPERATURE);
+                }
+            }
+            ClothColoring::Speed => {
+                for (slot, share) in shares.iter_mut().enumerate() {
+                    *share = particles.velocity.get(slot).length() / FASTEST;
+                }
+            }
+            ClothColoring::Contact => {
+                for (slot, share) in shares.iter_mut().enumerate() {
+                    *share = f32::from(self.contacts.touches(particles.position.get(slot)));
+                }
+            }
+        }
+    }
+
+    /// What fire makes of `color` at a particle: brown, black, and at the rim of a hole glowing.
+    pub fn scorched(&self, slot: u32, color: [f32; 4]) -> [f32; 4] {
+        let Some(fire) = &self.fire else { return color };
+        let at = slot as usize;
+        let (Some(scorch), Some(char)) = (fire.scorch().get(at), fire.char().get(at)) else { return color };
+        // Brown takes the blue first, char all but a twentieth.
+        let brown = [1.0 - 0.45 * scorch, 1.0 - 0.7 * scorch, 1.0 - 0.85 * scorch];
+        let black = 1.0 - 0.95 * (3.0 * char).min(1.0);
+        let mut burnt = color;
+        for axis in 0..3 {
+            burnt[axis] *= brown[axis] * black;
+        }
+        if fire.stage(slot) == Stage::Ember && fire.temperature()[at] > 600.0 {
+            burnt[..3].copy_from_slice(&EMBER);
+        }
+        burnt
+    }
+
+    /// The colour of one vertex.
+    pub fn color(
+        &self,
+        coloring: ClothColoring,
+        slot: u32,
+        own: [f32; 4],
+        shares: &[f32],
+        colors: &StressColors,
+    ) -> [f32; 4] {
+        match coloring {
+            ClothColoring::Material => self.scorched(slot, own),
+            _ => colors.at(shares[slot as usize]),
+        }
+    }
+}

@@ -10,8 +10,9 @@ use super::listed::Work;
 use super::patch::Patch;
 use super::shear::{Sheet, Stress};
 use super::sweep::{self, Compliance};
+use super::tension::Sums;
 use super::wear::{Wear, Worn, WornGrid};
-use crate::lanes::{LANES, load, splat};
+use crate::lanes::{LANES, load, splat, store};
 use crate::topology::Along;
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
@@ -171,12 +172,40 @@ impl GridConstraints {
     }
 
     /// Adds the tension of the links along `along`, `scale` times λ, weighed by width, to both their ends.
-    pub fn add_tensions(&self, along: Along, scale: f32, to: &mut [(f32, f32)]) {
-        for (ends, lambda, narrow) in self.links(along) {
+    #[inline(always)]
+    pub fn add_tensions<S: Simd>(&mut self, simd: S, along: Along, scale: f32, to: &mut Sums) {
+        let scale = splat(simd, scale);
+        match along {
+            Along::Weft => {
+                let (rows, block) = (self.rows(), self.row_block());
+                let Work { inverse_mass: weights, load: tensions, .. } = &mut self.work;
+                for first in (0..rows.rows).step_by(LANES) {
+                    if !is_block(&self.patch, along, first) {
+                        continue;
+                    }
+                    let width = load(simd, &self.row_width, first);
+                    tensions.fill(0.0);
+                    weights.fill(0.0);
+                    let lambda = multipliers(&mut self.weft_lambda, block, first);
+                    add_to_ends(simd, block, lambda, scale, width, tensions, weights);
+                    lines::scatter_rows(simd, tensions, &mut to.tension, rows, first);
+                    lines::scatter_rows(simd, weights, &mut to.weight, rows, first);
+                }
+            }
+            Along::Warp => {
+                for base in (0..self.grid.stride as usize).step_by(LANES) {
+                    if is_block(&self.patch, along, base) {
+                        let (block, width) = (self.column_block(base), load(simd, &self.column_width, base));
+                        let lambda = multipliers(&mut self.warp_lambda, block, base);
+                        add_to_ends(simd, block, lambda, scale, width, &mut to.tension, &mut to.weight);
+                    }
+                }
+            }
+        }
+        for (ends, lambda, narrow) in self.patch.iter().flat_map(|patch| patch.links(along)) {
             for slot in ends {
-                let (sum, width) = &mut to[slot as usize];
-                *sum += scale * lambda;
-                *width += 1.0 / narrow;
+                to.tension[slot as usize] += scale[0] * lambda;
+                to.weight[slot as usize] += 1.0 / narrow;
             }
         }
     }
@@ -404,6 +433,26 @@ impl GridConstraints {
             largest = largest.max(load_ratio);
         }
         largest.reduce_max()
+    }
+}
+
+/// Adds the tension of each link of eight runs, and its width, to both its ends.
+#[inline(always)]
+fn add_to_ends<S: Simd>(
+    simd: S,
+    block: Block,
+    lambda: &[f32],
+    scale: f32x8<S>,
+    width: f32x8<S>,
+    tensions: &mut [f32],
+    weights: &mut [f32],
+) {
+    for k in 0..block.count - 1 {
+        let tension = load(simd, lambda, k * LANES) * scale;
+        for at in [block.at(k), block.at(k + 1)] {
+            store(load(simd, tensions, at) + tension, tensions, at);
+            store(load(simd, weights, at) + width, weights, at);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ mod wear;
 
 pub use grab::Grab;
 pub use pin::{Pin, Pins};
-pub use tension::Tensions;
+pub use tension::{Sums, Tensions};
 pub use wear::Wear;
 
 use fearless_simd::dispatch;

@@ -1,39 +1,50 @@
 //! What the threads carry.
 
+use fearless_simd::dispatch;
+
 use super::{Constraints, Surface};
+use crate::lanes::LEVEL;
 use crate::method::Method;
 use crate::topology::Along;
 use crate::{Particles, Topology, measure};
 
-/// Tension along weft and warp at each slot, N/m, as a sum over the links there and the sum of their weights.
+/// Tension along one direction at each slot: the sum over the links there, and the sum of their weights; the mean is in N/m.
+#[derive(Clone, Debug, Default)]
+pub struct Sums {
+    /// Sum of the tensions.
+    pub tension: Vec<f32>,
+    /// Sum of the weights.
+    pub weight: Vec<f32>,
+}
+
+/// Tension along weft and warp at each slot.
 #[derive(Clone, Debug, Default)]
 pub struct Tensions {
-    weft: Vec<(f32, f32)>,
-    warp: Vec<(f32, f32)>,
+    weft: Sums,
+    warp: Sums,
 }
 
 impl Tensions {
-    /// Sums and weights along weft and along warp.
-    pub fn along(&self) -> [&[(f32, f32)]; 2] {
+    /// Along weft and along warp.
+    pub fn along(&self) -> [&Sums; 2] {
         [&self.weft, &self.warp]
     }
 
     fn clear(&mut self, slots: usize) {
-        for sums in [&mut self.weft, &mut self.warp] {
-            sums.clear();
-            sums.resize(slots, (0.0, 0.0));
+        for numbers in [&mut self.weft, &mut self.warp].into_iter().flat_map(|of| [&mut of.tension, &mut of.weight]) {
+            numbers.clear();
+            numbers.resize(slots, 0.0);
         }
     }
 
-    /// Adds `sum` with `weight` to a slot, along weft (0) or warp (1).
-    pub(super) fn add(&mut self, along: usize, slot: u32, sum: f32, weight: f32) {
-        let all = if along == 0 { &mut self.weft } else { &mut self.warp };
-        let (sums, weights) = &mut all[slot as usize];
-        *sums += sum;
-        *weights += weight;
+    /// Adds `tension` with `weight` to a slot.
+    pub(super) fn add(&mut self, along: Along, slot: u32, tension: f32, weight: f32) {
+        let of = self.of(along);
+        of.tension[slot as usize] += tension;
+        of.weight[slot as usize] += weight;
     }
 
-    fn of(&mut self, along: Along) -> &mut [(f32, f32)] {
+    fn of(&mut self, along: Along) -> &mut Sums {
         match along {
             Along::Weft => &mut self.weft,
             Along::Warp => &mut self.warp,
@@ -50,7 +61,8 @@ impl Constraints {
             (Surface::Grid(grid), Method::XpbdLines) => {
                 let spacing = grid.grid.spacing;
                 for (along, across) in [(Along::Weft, spacing.y), (Along::Warp, spacing.x)] {
-                    grid.add_tensions(along, -1.0 / (h * h * across), to.of(along));
+                    let scale = -1.0 / (h * h * across);
+                    dispatch!(*LEVEL, simd => grid.add_tensions(simd, along, scale, to.of(along)));
                 }
                 if let Some(triangles) = grid.patch.as_mut().and_then(|patch| patch.triangles_mut()) {
                     triangles.add_tensions(h, to);
@@ -73,7 +85,7 @@ impl Constraints {
         let stiffness = [fabric.stretch_weft, fabric.stretch_warp];
         for (slots, along, strain) in measure::threads_and_strains(topology, particles) {
             for slot in slots {
-                to.add(along as usize, slot, stiffness[along as usize] * strain, 1.0);
+                to.add(along, slot, stiffness[along as usize] * strain, 1.0);
             }
         }
     }

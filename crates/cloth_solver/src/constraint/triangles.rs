@@ -11,6 +11,7 @@ use super::batch::{Batches, gather, gather3, scatter3};
 use super::tension::Tensions;
 use super::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, splat};
+use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
 
 /// The triangles of a mesh, eight at a time.
@@ -91,7 +92,9 @@ impl Triangles {
         for (g, group) in self.batches.groups.iter().enumerate() {
             for lane in (0..LANES).filter(|lane| self.batches.source[g][*lane].is_some()) {
                 let area = 1.0 / self.inverse_area[g][lane];
-                for (along, lambda) in self.lambda.iter().flat_map(|lambda| lambda[g].iter().enumerate()) {
+                for (along, lambda) in
+                    self.lambda.iter().flat_map(|lambda| [Along::Weft, Along::Warp].into_iter().zip(lambda[g]))
+                {
                     for corner in group {
                         // Tension times area is −λ/h²: the area cancels out.
                         to.add(along, corner[lane], -lambda[lane] / (h * h), area);

@@ -93,10 +93,11 @@ pub fn cut(topology: &mut Topology, position: &Soa3, blade: &Blade, tips: &[u32]
     let mut placed = position.clone();
     placed.follow(&change);
     let place = |slot: u32| placed.get(slot as usize);
+    let is_on = |slot: u32| on.get(slot as usize).is_some_and(|on| *on);
     let ends: Vec<u32> = (topology.triangles.iter())
-        .filter(|corners| corners.iter().any(|slot| path.contains(slot)))
+        .filter(|corners| corners.iter().any(|slot| is_on(*slot)))
         .filter(|corners| pierces(blade.to, corners.map(place)))
-        .flat_map(|corners| corners.iter().copied().filter(|slot| path.contains(slot)))
+        .flat_map(|corners| corners.iter().copied().filter(|slot| is_on(*slot)))
         .collect();
     Some(Cut { change, tips: ends, edges: path.len().saturating_sub(1), at: path[path.len() / 2] })
 }

@@ -110,9 +110,9 @@ impl Tear {
     ) {
         constraints.tensions(topology, particles, h, &mut self.tensions);
         let fresh = dt / (SMOOTHING + dt);
-        for (load, tension) in self.load.iter_mut().zip(self.tensions.along()) {
-            for (load, (sum, width)) in load.iter_mut().zip(tension) {
-                let now = if *width > 0.0 { sum / width } else { 0.0 };
+        for (load, sums) in self.load.iter_mut().zip(self.tensions.along()) {
+            for ((load, tension), weight) in load.iter_mut().zip(&sums.tension).zip(&sums.weight) {
+                let now = if *weight > 0.0 { tension / weight } else { 0.0 };
                 *load += (now - *load) * fresh;
             }
         }
@@ -148,6 +148,12 @@ impl Tear {
 
     fn find_overloaded(&mut self, tearing: &Tearing, strength: &[f32]) {
         self.overloaded.clear();
+        // Nothing gets weaker than this; a loop without an exit becomes vector code.
+        let weakest = strength.iter().fold(1.0_f32, |least, part| least.min(*part)) * tearing.strength;
+        let over = |any: bool, (load, weak): (&f32, &f32)| any | (*load > weakest * weak);
+        if !self.load.iter().any(|load| load.iter().zip(&self.weak).fold(false, over)) {
+            return;
+        }
         for (along, load) in [Along::Weft, Along::Warp].into_iter().zip(&self.load) {
             for (slot, (load, weak)) in load.iter().zip(&self.weak).enumerate() {
                 let limit = tearing.strength * weak * strength.get(slot).copied().unwrap_or(1.0);

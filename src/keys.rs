@@ -31,7 +31,7 @@ const BINDINGS: [(KeyCode, &str, &str, Action); 10] = [
     (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
     (KeyCode::Space, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
-    (KeyCode::KeyR, "R", "reset all cloth", Action::Reset),
+    (KeyCode::KeyR, "R", "reset all cloth, and make it whole", Action::Reset),
     (KeyCode::KeyC, "C", "colour by material or stress", Action::Coloring),
     (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),

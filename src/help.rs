@@ -11,8 +11,9 @@ use crate::select::Selectable;
 pub struct HelpOpen(pub bool);
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 6] = [
-    ("left drag on cloth", "grab, pull, let go"),
+const MOUSE: [(&str, &str); 7] = [
+    ("left drag on cloth", "grab and pull; what may tear, rips; R makes it whole"),
+    ("right drag on cloth", "cut"),
     ("left click", "select an object; on nothing: deselect"),
     ("left drag on a handle", "move or turn the selected object"),
     ("left drag on nothing", "orbit; anywhere with Alt"),

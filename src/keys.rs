@@ -3,7 +3,7 @@
 use bevy::gizmos::transform_gizmo::{TransformGizmoMode, TransformGizmoSettings};
 use bevy::input::InputSystems;
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Fan, ResetCloth, Shared};
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothPicking, ClothTime, Fan, FireTool, ResetCloth, Shared};
 use bevy_cloth_inspector::{InspectorOpen, Selected};
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
@@ -19,6 +19,7 @@ enum Action {
     Step,
     Reset,
     Coloring,
+    FireTool,
     Fans,
     Inspector,
     Move,
@@ -27,12 +28,13 @@ enum Action {
 }
 
 /// Every key: code, name and meaning.
-const BINDINGS: [(KeyCode, &str, &str, Action); 10] = [
+const BINDINGS: [(KeyCode, &str, &str, Action); 11] = [
     (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
     (KeyCode::Space, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
-    (KeyCode::KeyR, "R", "reset all cloth", Action::Reset),
+    (KeyCode::KeyR, "R", "reset all cloth, and make it whole", Action::Reset),
     (KeyCode::KeyC, "C", "colour by material, stress, strain, temperature, speed, contact", Action::Coloring),
+    (KeyCode::KeyX, "X", "match or water for the middle button", Action::FireTool),
     (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
     (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
@@ -85,7 +87,7 @@ fn act(
     mut commands: Commands,
     keys: Res<ButtonInput<KeyCode>>,
     mut clock: ResMut<Time<ClothClock>>,
-    mut coloring: ResMut<Shared<ClothColoring>>,
+    (mut coloring, mut picking): (ResMut<Shared<ClothColoring>>, ResMut<ClothPicking>),
     mut gizmo: ResMut<TransformGizmoSettings>,
     mut help: ResMut<HelpOpen>,
     mut inspector: ResMut<InspectorOpen>,
@@ -106,6 +108,12 @@ fn act(
             Action::Coloring => {
                 let now = ClothColoring::ALL.iter().position(|known| *known == coloring.0).unwrap_or(0);
                 coloring.0 = ClothColoring::ALL[(now + 1) % ClothColoring::ALL.len()];
+            }
+            Action::FireTool => {
+                picking.tool = match picking.tool {
+                    FireTool::Match => FireTool::Water,
+                    FireTool::Water => FireTool::Match,
+                }
             }
             Action::Fans => {
                 let on = !fans.iter().any(|fan| fan.on);

@@ -24,17 +24,22 @@ impl Plugin for MousePlugin {
     }
 }
 
-/// The cloth may be grabbed unless the press is meant for the gizmo or, by a key held down, for the camera.
+/// Buttons that do something to cloth while they are held.
+const TO_CLOTH: [MouseButton; 3] = [MouseButton::Left, MouseButton::Right, MouseButton::Middle];
+
+/// The cloth may be grabbed and cut unless the press is meant for a panel, the gizmo or, by a key held down, the camera. A
+/// drag keeps what it began with.
 fn lend_to_cloth(
     mut cloth: ResMut<ClothPicking>,
     gizmo: Res<TransformGizmoState>,
     mouse: Res<ButtonInput<MouseButton>>,
     keys: Res<ButtonInput<KeyCode>>,
+    panels: Res<EguiWantsInput>,
 ) {
-    if mouse.pressed(MouseButton::Left) && !mouse.just_pressed(MouseButton::Left) {
+    if TO_CLOTH.iter().any(|button| mouse.pressed(*button) && !mouse.just_pressed(*button)) {
         return;
     }
-    let enabled = !is_for_gizmo(&gizmo) && !is_for_camera(&keys);
+    let enabled = !panels.wants_any_pointer_input() && !is_for_gizmo(&gizmo) && !is_for_camera(&keys);
     if cloth.enabled != enabled {
         cloth.enabled = enabled;
     }

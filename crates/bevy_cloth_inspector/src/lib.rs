@@ -24,6 +24,7 @@
 //! | `air` | wind, gusts, the selected wind zone, the selected fan |
 //! | `cloth` | size, resolution, rods |
 //! | `fabric` | preset and every value of the fabric |
+//! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `statistics` | particles, strain, frame rate, times |
 //! | `outline` | lines around the selected object |
@@ -31,6 +32,7 @@
 
 mod air;
 mod cloth;
+mod damage;
 mod fabric;
 mod object;
 mod outline;

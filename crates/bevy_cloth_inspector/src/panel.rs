@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_cloth::{Cloth, Fan};
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
-use crate::{InspectorOpen, PanelWidth, Selected, air, cloth, fabric, object, statistics, world};
+use crate::{InspectorOpen, PanelWidth, Selected, air, cloth, damage, fabric, object, statistics, world};
 
 /// Width of the panel, logical pixels.
 const WIDTH: f32 = 310.0;
@@ -41,6 +41,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
     if let Some(entity) = cloth {
         section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
         section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
+        section(ui, "Tearing", true, |ui| damage::tearing(ui, world, entity));
     }
     if let Some(fan) = air::selected_with::<Fan>(world) {
         section(ui, "Fan", true, |ui| air::fan(ui, world, fan));

@@ -1,7 +1,7 @@
 //! The sandbox: a curtain on a rod, ground, three things to push through the curtain, and a fan to blow at it.
 
 use bevy::prelude::*;
-use bevy_cloth::{Air, Cloth, ClothCollider, Fabric, Fan, Pins, Tearable};
+use bevy_cloth::{Air, Cloth, ClothCollider, Fabric, Fan, Flammable, Pins, Tearable};
 
 use super::curtain_rod;
 use super::stage::{glossy, matte, spawn_ground};
@@ -36,6 +36,7 @@ pub fn spawn(
         Pins::rods(RODS),
         Air::default(),
         Tearable::default(),
+        Flammable::default(),
         MeshMaterial3d(velvet),
     );
     let rod = curtain_rod::spawn(&mut commands, Transform::from_xyz(0.0, ROD_HEIGHT, 0.0), curtain);

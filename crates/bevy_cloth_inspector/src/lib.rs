@@ -23,6 +23,7 @@
 //! | `world` | clock, gravity, method, substeps, colouring |
 //! | `air` | wind, gusts, the selected wind zone, the selected fan |
 //! | `cloth` | size, resolution, rods |
+//! | `fire` | whether and how it may burn, and what the middle button does |
 //! | `fabric` | preset and every value of the fabric |
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
@@ -34,6 +35,7 @@ mod air;
 mod cloth;
 mod damage;
 mod fabric;
+mod fire;
 mod object;
 mod outline;
 mod panel;

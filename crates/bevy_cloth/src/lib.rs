@@ -5,6 +5,7 @@
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
 //! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Shared`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
+//! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
@@ -45,6 +46,12 @@
 //! which colliders shadow; both are placed by their [`Transform`](bevy::prelude::Transform), whose scale they take no notice
 //! of, and everything adds up.
 //!
+//! # Damage
+//! A cloth that is [`Tearable`] parts where its threads carry more than they can; any cloth is torn by [`TearCloth`] and cut
+//! by [`CutCloth`]. What comes apart stays simulated ([`ClothPieces`]). One that is [`Flammable`] is lit by [`IgniteCloth`] and
+//! put out by [`WetCloth`]; [`ClothFire`] tells temperature, fuel and char. Each tells what happens by events, and
+//! [`ResetCloth`] makes a cloth whole.
+//!
 //! # Time
 //! [`Time<ClothClock>`](ClothClock) is paused, slowed and stepped through the trait [`ClothTime`]. It advances in
 //! ticks of the fixed timestep, so that neither the frame rate nor slow motion changes the motion.
@@ -68,8 +75,8 @@
 //! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
 //!
 //! # Picking
-//! A backend for [`bevy::picking`] casts against the shape the cloth has now, and the left button grabs it, also
-//! while the clock is paused. Grabbing by code is inserting [`Grabs`].
+//! A backend for [`bevy::picking`] casts against the shape the cloth has now. The left button grabs it, the right one cuts,
+//! the middle one lights what is flammable; grabbing and cutting work while the clock is paused, too. Grabbing by code is inserting [`Grabs`].
 //!
 //! # Features
 //! - `render` (default): drawing. Without it the crate needs no renderer.

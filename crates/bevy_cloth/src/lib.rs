@@ -76,7 +76,8 @@
 //!
 //! # Picking
 //! A backend for [`bevy::picking`] casts against the shape the cloth has now. The left button grabs it, the right one cuts,
-//! the middle one lights what is flammable; grabbing and cutting work while the clock is paused, too. Grabbing by code is inserting [`Grabs`].
+//! the middle one lights what is flammable; grabbing and cutting work while the clock is paused, too. Grabbing by code is inserting
+//! [`Grabs`].
 //!
 //! # Features
 //! - `render` (default): drawing. Without it the crate needs no renderer.

@@ -2,16 +2,10 @@
 
 mod common;
 
-use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
-use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
-use bevy::picking::{InteractionPlugin, PickingPlugin};
+use bevy::picking::pointer::{PointerAction, PointerButton};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::PrimaryWindow;
 use bevy_cloth::*;
 use common::*;
-
-const SIZE: UVec2 = UVec2::new(800, 600);
 
 fn hung(app: &mut App) -> Entity {
     let cloth = app.world_mut().spawn((Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::top())).id();
@@ -146,27 +140,6 @@ fn a_torn_cloth_runs_the_same_to_the_bit_twice() {
         bits(&app, cloth)
     };
     assert_eq!(once(), once());
-}
-
-/// An app with a camera 2 m before the origin, and a pointer.
-fn with_pointer() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin, ClothPlugin::default()));
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
-    app.world_mut().spawn((Window::default(), PrimaryWindow));
-    let mut camera = Camera::default();
-    camera.computed.target_info = Some(RenderTargetInfo { physical_size: SIZE, scale_factor: 1.0 });
-    let lens = PerspectiveProjection { aspect_ratio: SIZE.x as f32 / SIZE.y as f32, ..default() };
-    camera.computed.clip_from_view = bevy::camera::CameraProjection::get_clip_from_view(&lens);
-    app.world_mut().spawn((camera, RenderTarget::None { size: SIZE }, Transform::from_xyz(0.0, 0.0, 2.0)));
-    app.world_mut().spawn(PointerId::Mouse);
-    app
-}
-
-fn send(app: &mut App, at: [f32; 2], action: PointerAction) {
-    let target = NormalizedRenderTarget::None { width: SIZE.x, height: SIZE.y };
-    let location = Location { target, position: Vec2::from(at) };
-    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
 }
 
 #[test]

@@ -2,12 +2,8 @@
 
 mod common;
 
-use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
-use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
-use bevy::picking::{InteractionPlugin, PickingPlugin};
+use bevy::picking::pointer::{PointerAction, PointerButton};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::PrimaryWindow;
 use bevy_cloth::*;
 use common::*;
 
@@ -146,31 +142,19 @@ fn a_wrong_flammability_is_refused_by_name() {
 
 #[test]
 fn a_middle_click_lights_and_with_water_in_hand_puts_out() {
-    const SIZE: UVec2 = UVec2::new(800, 600);
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin, ClothPlugin::default()));
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
-    app.world_mut().spawn((Window::default(), PrimaryWindow));
-    let mut camera = Camera::default();
-    camera.computed.target_info = Some(RenderTargetInfo { physical_size: SIZE, scale_factor: 1.0 });
-    let lens = PerspectiveProjection { aspect_ratio: SIZE.x as f32 / SIZE.y as f32, ..default() };
-    camera.computed.clip_from_view = bevy::camera::CameraProjection::get_clip_from_view(&lens);
-    app.world_mut().spawn((camera, RenderTarget::None { size: SIZE }, Transform::from_xyz(0.0, 0.0, 2.0)));
-    app.world_mut().spawn(PointerId::Mouse);
+    let mut app = with_pointer();
     let cloth = hung(&mut app, Flammable::default());
-    let send = |app: &mut App, action| {
-        let target = NormalizedRenderTarget::None { width: SIZE.x, height: SIZE.y };
-        let location = Location { target, position: Vec2::new(400.0, 300.0) };
-        app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
+    let act = |app: &mut App, action| {
+        send(app, [400.0, 300.0], action);
         app.update();
     };
-    send(&mut app, PointerAction::Move { delta: Vec2::ZERO });
-    send(&mut app, PointerAction::Press(PointerButton::Middle));
-    send(&mut app, PointerAction::Release(PointerButton::Middle));
+    act(&mut app, PointerAction::Move { delta: Vec2::ZERO });
+    act(&mut app, PointerAction::Press(PointerButton::Middle));
+    act(&mut app, PointerAction::Release(PointerButton::Middle));
     run(&mut app, 16);
     assert!(get::<ClothFire>(&app, cloth).flaming() > 0);
     app.world_mut().resource_mut::<ClothPicking>().tool = FireTool::Water;
-    send(&mut app, PointerAction::Press(PointerButton::Middle));
+    act(&mut app, PointerAction::Press(PointerButton::Middle));
     run(&mut app, 2);
     assert_eq!(get::<ClothFire>(&app, cloth).flaming(), 0);
 }

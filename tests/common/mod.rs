@@ -3,8 +3,12 @@
 
 use std::time::Duration;
 
+use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
+use bevy::picking::pointer::{Location, PointerAction, PointerId, PointerInput};
+use bevy::picking::{InteractionPlugin, PickingPlugin};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy::window::PrimaryWindow;
 use bevy_cloth::*;
 
 /// Length of a tick in these tests: Bevy's default fixed timestep, 64 Hz.
@@ -107,4 +111,29 @@ where
 /// The events noted so far.
 pub fn seen<E: EntityEvent + Clone>(app: &App) -> &[E] {
     &app.world().resource::<Seen<E>>().0
+}
+
+/// What the camera of [`with_pointer`] draws to.
+const PIXELS: UVec2 = UVec2::new(800, 600);
+
+/// An app with a camera 2 m before the origin, and a pointer.
+pub fn with_pointer() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin, ClothPlugin::default()));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
+    app.world_mut().spawn((Window::default(), PrimaryWindow));
+    let mut camera = Camera::default();
+    camera.computed.target_info = Some(RenderTargetInfo { physical_size: PIXELS, scale_factor: 1.0 });
+    let lens = PerspectiveProjection { aspect_ratio: PIXELS.x as f32 / PIXELS.y as f32, ..default() };
+    camera.computed.clip_from_view = bevy::camera::CameraProjection::get_clip_from_view(&lens);
+    app.world_mut().spawn((camera, RenderTarget::None { size: PIXELS }, Transform::from_xyz(0.0, 0.0, 2.0)));
+    app.world_mut().spawn(PointerId::Mouse);
+    app
+}
+
+/// Tells the app of an action of that pointer, at a pixel.
+pub fn send(app: &mut App, at: [f32; 2], action: PointerAction) {
+    let target = NormalizedRenderTarget::None { width: PIXELS.x, height: PIXELS.y };
+    let location = Location { target, position: Vec2::from(at) };
+    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
 }

@@ -87,6 +87,21 @@ fn rods_and_top_work_on_a_mesh() {
     assert!(held.len() == 3 && held.iter().zip([-0.5, 0.0, 0.5]).all(|(x, rod)| (x - rod).abs() < 1e-6), "{held:?}");
 }
 
+#[test]
+fn a_plane_hangs_by_its_highest_side_whichever_way_its_texture_lies_and_stretches_no_more_than_a_rectangle() {
+    for turn in [0.0, 0.5, 1.0, 1.5].map(|half_turns| Quat::from_rotation_z(half_turns * std::f32::consts::PI)) {
+        let mut app = with_meshes();
+        let sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(30).build().rotated_by(turn);
+        let sheet = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet);
+        let cloth = app.world_mut().spawn((Cloth::mesh(), Mesh3d(sheet), Pins::corners(), ClothStats::default())).id();
+        run(&mut app, 128);
+        let held = held(&app, cloth);
+        assert!(held.len() == 2 && held.iter().all(|point| point.y > 0.499), "{held:?}");
+        let strain = get::<ClothStats>(&app, cloth).largest_strain;
+        assert!(strain < 0.03, "{strain}");
+    }
+}
+
 /// A cloth whose top edge is held by `pins`, for a second of ticks in which the cloth's transform, or the entity
 /// `hand`, moves 0.5 m along x, and then at rest for 2 s. Gives the corner's place in the world, and the centre's.
 fn after_moving(pins: impl Fn(Entity) -> Pins, move_hand: bool) -> (Vec3, Vec3) {

@@ -42,6 +42,9 @@ pub enum ClothSource {
     /// asset is read, never written: the cloth draws a mesh of its own. Where the mesh has texture coordinates the
     /// warp runs along v.
     ///
+    /// A mesh that is a flat, evenly divided rectangle with the warp along one of its sides (a plane with subdivisions) is
+    /// solved as a rectangle is. Any other mesh is swept, which takes many more substeps until it is as stiff as its fabric.
+    ///
     /// Needs the resource [`Assets<Mesh>`](bevy::asset::Assets) and a mesh kept in the main world.
     Mesh,
 }

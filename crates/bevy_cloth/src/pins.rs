@@ -36,8 +36,9 @@ pub struct PinGroup {
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum PinSelect {
     /// The particles of the top edge nearest to this many points spread evenly over the width, both ends included.
-    /// One rod holds the middle, none holds nothing. The top edge of a cloth made from a mesh is every particle
-    /// within a hundredth of its height from the highest.
+    /// One rod holds the middle, none holds nothing. The top edge of a flat, evenly divided
+    /// rectangle is its highest side (its first row if it lies level), of any other mesh every particle within a hundredth
+    /// of its height from the highest.
     Rods(u32),
     /// The whole top edge.
     Top,

@@ -54,7 +54,14 @@ fn check_bounds(field: &'static str, corner: Vec3) -> Result<(), ClothError> {
 
 fn top_edge(topology: &Topology) -> Vec<u32> {
     if let Some(grid) = &topology.grid {
-        return (0..grid.columns).map(|column| grid.slot(0, column)).collect();
+        // The first row, unless a mesh lies with another side up.
+        let row = |row: u32| (0..grid.columns).map(|column| grid.slot(row, column)).collect::<Vec<_>>();
+        let column = |column: u32| (0..grid.rows).map(|row| grid.slot(row, column)).collect::<Vec<_>>();
+        let sides = [row(0), row(grid.rows - 1), column(0), column(grid.columns - 1)];
+        let height =
+            |side: &[u32]| side.iter().map(|slot| topology.rest[*slot as usize].y).fold(f32::INFINITY, f32::min);
+        let higher = |best: Vec<u32>, side: Vec<u32>| if height(&side) > height(&best) { side } else { best };
+        return sides.into_iter().reduce(higher).unwrap_or_default();
     }
     let (min, max) = bounds(topology);
     let lowest = max.y - TOP_EDGE * (max.y - min.y);

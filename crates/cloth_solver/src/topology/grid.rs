@@ -82,20 +82,29 @@ impl Topology {
             stride: (cells.x + 1).next_multiple_of(LANES as u32),
             spacing: size / cells.as_vec2(),
         };
+        // From whole numbers, so that the rectangle is its own mirror image to the last bit.
+        let part = |i: u32, count: u32| (2.0 * i as f32 - (count - 1) as f32) / (2 * (count - 1)) as f32;
+        Ok(Self::woven(grid, |row, column| {
+            Vec3::new(part(column, grid.columns) * size.x, -part(row, grid.rows) * size.y, 0.0)
+        }))
+    }
+
+    /// The rectangle `grid`, whose particle in (row, column) rests at `place`, with one render vertex a particle.
+    pub(super) fn woven(grid: Grid, place: impl Fn(u32, u32) -> Vec3) -> Self {
         let triangles: Vec<[u32; 3]> =
             grid.cells().flat_map(|(row, column)| cell_triangles(&grid, row, column)).collect();
-        let (rest, area) = particles(&grid, size);
-        let triangle_rest = triangles
-            .iter()
+        let flat = |slot: u32| Vec2::new((slot % grid.stride) as f32, -((slot / grid.stride) as f32)) * grid.spacing;
+        let triangle_rest = (triangles.iter())
             .map(|t| {
-                let [p0, p1, p2] = t.map(|p| rest[p as usize].truncate());
+                let [p0, p1, p2] = t.map(flat);
                 Mat2::from_cols(p1 - p0, p2 - p0)
             })
             .collect();
+        let (rest, area) = particles(&grid, place);
         let sides = hinge::sides(&triangles);
         let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &sides).unzip();
         let vertex = |slot: u32| slot / grid.stride * grid.columns + slot % grid.stride;
-        Ok(Self {
+        Self {
             triangle_vertices: triangles.iter().map(|triangle| triangle.map(vertex)).collect(),
             hinge_triangles,
             triangle_rest,
@@ -112,22 +121,12 @@ impl Topology {
             rest,
             area,
             triangles,
-        })
-    }
-
-    /// Texture coordinates of a rectangle, one per render vertex: u from 0 at the left to 1 at the right, v from 0 at
-    /// the top to 1 at the bottom. Empty for any other topology.
-    pub fn rectangle_uvs(&self) -> Vec<Vec2> {
-        let Some(grid) = self.grid else { return Vec::new() };
-        let cells = Vec2::new((grid.columns - 1) as f32, (grid.rows - 1) as f32);
-        (0..grid.rows)
-            .flat_map(|row| (0..grid.columns).map(move |column| Vec2::new(column as f32, row as f32) / cells))
-            .collect()
+        }
     }
 }
 
 /// The two triangles of a cell, counter-clockwise, with the diagonal from the upper left where `row + column` is even.
-fn cell_triangles(grid: &Grid, row: u32, column: u32) -> [[u32; 3]; 2] {
+pub(super) fn cell_triangles(grid: &Grid, row: u32, column: u32) -> [[u32; 3]; 2] {
     let [upper_left, upper_right, lower_left, lower_right] = grid.cell(row, column);
     if (row + column).is_multiple_of(2) {
         [[upper_left, lower_left, lower_right], [upper_left, lower_right, upper_right]]
@@ -136,23 +135,27 @@ fn cell_triangles(grid: &Grid, row: u32, column: u32) -> [[u32; 3]; 2] {
     }
 }
 
+/// Whether the diagonal of a cell, counted row by row, runs from its upper left corner.
+pub(super) fn is_even(cell: u32, grid: &Grid) -> bool {
+    let across = grid.columns - 1;
+    (cell / across + cell % across).is_multiple_of(2)
+}
+
 /// Rest position and area of each slot, the padding of the rows and of the tail included.
-fn particles(grid: &Grid, size: Vec2) -> (Vec<Vec3>, Vec<f32>) {
+fn particles(grid: &Grid, place: impl Fn(u32, u32) -> Vec3) -> (Vec<Vec3>, Vec<f32>) {
     let slots = (grid.rows * grid.stride) as usize + TAIL;
     let (mut rest, mut area) = (Vec::with_capacity(slots), Vec::with_capacity(slots));
-    // From whole numbers, so that the rectangle is its own mirror image to the last bit.
-    let place = |i: u32, count: u32| (2.0 * i as f32 - (count - 1) as f32) / (2 * (count - 1)) as f32;
     let share = |i: u32, count: u32| if i == 0 || i == count - 1 { 0.5 } else { 1.0 };
     for row in 0..grid.rows {
         for slot in 0..grid.stride {
             let column = slot.min(grid.columns - 1);
-            rest.push(Vec3::new(place(column, grid.columns) * size.x, -place(row, grid.rows) * size.y, 0.0));
+            rest.push(place(row, column));
             let is_particle = slot < grid.columns;
             let cells = if is_particle { share(row, grid.rows) * share(column, grid.columns) } else { 0.0 };
             area.push(cells * grid.spacing.x * grid.spacing.y);
         }
     }
-    let last = rest[grid.slot(grid.rows - 1, grid.columns - 1) as usize];
+    let last = place(grid.rows - 1, grid.columns - 1);
     rest.resize(slots, last);
     area.resize(slots, 0.0);
     (rest, area)
@@ -228,16 +231,6 @@ mod tests {
         assert_eq!(topology.hinges.len(), topology.edges.len() - border);
         assert_eq!(topology.hinge_rest.len(), topology.hinges.len());
         assert!(topology.edges.is_sorted() && topology.edges.iter().all(|[a, b]| a < b));
-    }
-
-    #[test]
-    fn texture_coordinates_run_from_the_upper_left_to_the_lower_right() {
-        let uvs = rectangle(4, 3).rectangle_uvs();
-        assert_eq!(uvs.len(), 20);
-        assert_eq!(
-            [uvs[0], uvs[4], uvs[7], uvs[19]],
-            [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0 / 3.0], [1.0, 1.0]].map(Vec2::from)
-        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod lines;
 mod mesh;
 mod orient;
 mod pieces;
+mod recognise;
 mod surgery;
 mod weave;
 mod weld;

@@ -3,6 +3,7 @@
 //! A cell is whole while both its triangles are, and share its diagonal; its corners may be copies. All else is loose:
 //! parts of triangles that were cut, and halves of cells whose other half is gone.
 
+use super::grid::is_even;
 use super::{Grid, Topology};
 
 /// Not a half of a cell, or no corner.
@@ -49,12 +50,6 @@ impl Weave {
         let loose = (0..triangles.len() as u32).filter(|triangle| !whole[*triangle as usize]).collect();
         Self { halves, cells, loose }
     }
-}
-
-/// Whether the diagonal of a cell runs from its upper left corner.
-fn is_even(cell: u32, grid: &Grid) -> bool {
-    let across = grid.columns - 1;
-    (cell / across + cell % across).is_multiple_of(2)
 }
 
 impl Topology {

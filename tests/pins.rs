@@ -102,6 +102,21 @@ fn a_plane_hangs_by_its_highest_side_whichever_way_its_texture_lies_and_stretche
     }
 }
 
+#[test]
+fn a_mesh_that_is_no_rectangle_stretches_about_as_far_as_its_fabric_may() {
+    let mut app = with_meshes();
+    let mut sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(30).build();
+    let Some(VertexAttributeValues::Float32x2(uvs)) = sheet.attribute_mut(Mesh::ATTRIBUTE_UV_0) else { panic!() };
+    // Warp and weft run along the diagonals.
+    uvs.iter_mut().for_each(|uv| *uv = [uv[0] + uv[1], uv[0] - uv[1]]);
+    let sheet = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet);
+    let cloth = app.world_mut().spawn((Cloth::mesh(), Mesh3d(sheet), Pins::corners(), ClothStats::default())).id();
+    run(&mut app, 192);
+    assert_eq!(get::<ClothTopology>(&app, cloth).grid, None);
+    let strain = get::<ClothStats>(&app, cloth).largest_strain;
+    assert!(strain < 3.0 * Fabric::default().stretch_limit, "{strain}");
+}
+
 /// A cloth whose top edge is held by `pins`, for a second of ticks in which the cloth's transform, or the entity
 /// `hand`, moves 0.5 m along x, and then at rest for 2 s. Gives the corner's place in the world, and the centre's.
 fn after_moving(pins: impl Fn(Entity) -> Pins, move_hand: bool) -> (Vec3, Vec3) {

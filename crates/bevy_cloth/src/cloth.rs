@@ -43,7 +43,8 @@ pub enum ClothSource {
     /// warp runs along v.
     ///
     /// A mesh that is a flat, evenly divided rectangle with the warp along one of its sides (a plane with subdivisions) is
-    /// solved as a rectangle is. Any other mesh is swept, which takes many more substeps until it is as stiff as its fabric.
+    /// solved as a rectangle is. Any other mesh is swept: less exact, and tied to its
+    /// pins so that no way from them gets longer than [`Fabric::stretch_limit`](crate::Fabric::stretch_limit) allows.
     ///
     /// Needs the resource [`Assets<Mesh>`](bevy::asset::Assets) and a mesh kept in the main world.
     Mesh,

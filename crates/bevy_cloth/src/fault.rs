@@ -8,7 +8,7 @@ use cloth_solver::{Cloth, Fabric, Particles, Topology};
 
 use crate::cloth::{ClothHistory, ClothTopology};
 use crate::events::ClothRecovered;
-use crate::prepare::StepPlan;
+use crate::prepare::{StepPlan, hang};
 use crate::report::report;
 use crate::step::{ClothTick, clear_forces};
 use crate::weights::Loads;
@@ -47,7 +47,8 @@ pub(crate) fn recover(
         error!("the weights of a recovered cloth were lost: {error}");
     }
     fresh.constraints.grabs = std::mem::take(&mut constraints.grabs);
-    if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, constraints.pins().clone()) {
+    let pins = constraints.pins().clone();
+    if let Err(error) = hang(pins, topology, fabric, &mut fresh.particles, &mut fresh.constraints) {
         error!("the pins of a recovered cloth were lost: {error}");
     }
     (*particles, *constraints) = (fresh.particles, fresh.constraints);

@@ -166,9 +166,11 @@ impl WantedItem<'_, '_> {
         let mut anchors = Anchors::default();
         self.authored.faults.pins = None;
         if let Some(pins) = self.pins() {
-            let made = anchors::make(pins, &topology, &skin.0, &particles.position, &frame, placements)
-                .and_then(|(pins, anchors)| constraints.set_pins(&mut particles, pins).map(|()| anchors));
-            match made {
+            let made = anchors::make(pins, &topology, &skin.0, &particles.position, &frame, placements);
+            let hung = made.and_then(|(pins, anchors)| {
+                anchors::hang(pins, &topology, &fabric, &mut particles, &mut constraints).map(|()| anchors)
+            });
+            match hung {
                 Ok(made) => anchors = made,
                 Err(error) => self.authored.faults.pins = Some(error),
             }
@@ -207,7 +209,8 @@ impl RunningItem<'_, '_> {
         let new = SolverCloth::new(self.topology.0.clone(), fabric)?;
         let (mut particles, mut constraints) = (new.particles, new.constraints);
         self.loads.hang(&mut particles)?;
-        constraints.set_pins(&mut particles, self.constraints.pins().clone())?;
+        let pins = self.constraints.pins().clone();
+        anchors::hang(pins, &self.topology.0, fabric, &mut particles, &mut constraints)?;
         let old = &mut *self.particles;
         std::mem::swap(&mut particles.position, &mut old.position);
         std::mem::swap(&mut particles.previous, &mut old.previous);
@@ -234,7 +237,7 @@ impl RunningItem<'_, '_> {
             Err(error) => (SolverPins::default(), Anchors::default(), Err(error)),
         };
         *self.anchors = anchors;
-        self.constraints.set_pins(&mut self.particles, pins)?;
+        anchors::hang(pins, &self.topology.0, &wanted.fabric(), &mut self.particles, &mut self.constraints)?;
         result
     }
 }

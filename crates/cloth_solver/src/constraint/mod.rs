@@ -130,7 +130,11 @@ impl Constraints {
     }
 
     /// Ties every free particle to its nearest pin, with `slack` strain (0 or more) before a tether acts; `None`
-    /// removes all tethers. They are found from the pins as they are now: set pins first.
+    /// removes all tethers. They are found from the pins as they are now: set pins first. Methods that step forces take no
+    /// notice.
+    ///
+    /// For meshes that are no rectangle, which are swept: what hangs on few pins they stretch many times as far as the
+    /// fabric does. A rectangle needs none.
     pub fn set_tethers(&mut self, topology: &Topology, slack: Option<f32>) {
         let pinned = self.pins.pins.iter().map(|pin| pin.particle);
         self.tethers = slack.map(|slack| Tethers::new(topology, pinned, slack));

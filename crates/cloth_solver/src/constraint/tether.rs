@@ -13,11 +13,14 @@ use crate::{Particles, Topology};
 struct Tether {
     particle: u32,
     anchor: u32,
-    /// Straight distance between them at rest, m.
+    /// What the fabric between them allows at rest, m.
     length: f32,
     /// Length of the way between them along the edges at rest, m.
     way: f32,
 }
+
+/// How much longer the way along the edges of an even mesh may be than the straight one: across equilateral triangles 2/√3.
+const ZIGZAG: f32 = 1.16;
 
 /// The tethers of a cloth: each free particle to the pinned particle nearest along the cloth.
 #[derive(Clone, Debug, Default)]
@@ -30,14 +33,16 @@ impl Tethers {
     /// `slack` is the strain allowed before a tether acts, 0 or more.
     pub fn new(topology: &Topology, pinned: impl Iterator<Item = u32>, slack: f32) -> Self {
         let nearest = ways(topology, pinned);
+        let is_flat = topology.hinge_rest.iter().all(|angle| angle.abs() < 1e-3);
         let tethers = nearest
             .iter()
             .enumerate()
             .filter(|(_, (distance, _))| distance.is_finite() && *distance > 0.0)
             .map(|(i, &(way, anchor))| {
-                // The way along mesh edges zigzags; the straight distance at rest is what flat fabric allows, and the
-                // way along the edges is never shorter.
-                let length = topology.rest[i].distance(topology.rest[anchor as usize]);
+                // The way along mesh edges zigzags. In flat fabric the straight one is what it stands for, unless it leads
+                // round a corner or a hole; in a tube, which may be laid flat, it is too short.
+                let straight = topology.rest[i].distance(topology.rest[anchor as usize]);
+                let length = if is_flat && way <= ZIGZAG * straight { straight } else { way };
                 Tether { particle: i as u32, anchor, length, way }
             })
             .collect();

@@ -10,8 +10,8 @@ use bevy_cloth::{Cloth, ClothSystems};
 use crate::Selected;
 use crate::silhouette::{Edge, Surface};
 
-/// Bright, and not a colour that cloth often has.
-const COLOR: Color = Color::srgb(1.0, 0.62, 0.05);
+/// Bright, and far from the colours that cloth, wood and sky have.
+const COLOR: Color = Color::srgb(1.0, 0.10, 0.70);
 /// Width of the lines, pixels.
 const WIDTH: f32 = 4.0;
 

@@ -90,3 +90,33 @@ fn two_runs_give_the_same_bits() {
     };
     assert_eq!(run_once(), run_once());
 }
+
+/// Hangs a sheet by its top row and moves the pins in a single tick, within the plane of the sheet.
+fn jolted(cells: u32, way: Vec3) -> cloth_solver::Cloth {
+    // Damped, or it would swing for long.
+    let mut cloth = rectangle(1.0, 1.0, cells, cells, &Fabric { damping: 2.0, ..Fabric::COTTON_POPLIN });
+    pin_top(&mut cloth, 0..=cells);
+    let there = cloth_solver::Pose::new(way, Quat::IDENTITY);
+    cloth.constraints.pin_frames_mut()[0].to = there;
+    cloth.step(TICK, GRAVITY);
+    cloth.constraints.pin_frames_mut()[0].from = there;
+    cloth
+}
+
+#[test]
+fn cloth_crushed_within_its_own_plane_buckles_out_of_it_and_comes_to_rest() {
+    let mut cloth = jolted(31, Vec3::NEG_Y * 0.5);
+    run(&mut cloth, 1.0);
+    let stored = measure::elastic_energy(&cloth.topology, &cloth.particles, &Fabric::COTTON_POPLIN);
+    assert!(stored < 1.0, "{stored} J jammed in it");
+    run(&mut cloth, 7.0);
+    let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
+    assert!(speed < 0.03, "{speed} m/s eight seconds after");
+}
+
+#[test]
+fn cloth_pulled_along_within_its_own_plane_stays_in_it() {
+    let mut cloth = jolted(10, Vec3::X * 0.02);
+    run(&mut cloth, 2.0);
+    assert!(positions(&cloth).iter().all(|x| x.z == 0.0));
+}

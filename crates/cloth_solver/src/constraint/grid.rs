@@ -225,6 +225,20 @@ impl GridConstraints {
         (sum / f64::from(count.max(1))).sqrt() as f32
     }
 
+    /// Whether the cell whose upper left corner is `slot` lies where it was made.
+    pub fn is_whole(&self, slot: u32) -> bool {
+        self.cell_mask[slot as usize] > 0.0
+    }
+
+    /// Whether all particles of the rectangle have the same of these coordinates.
+    pub fn is_level(&self, coordinates: &[f32]) -> bool {
+        let (columns, stride) = (self.grid.columns as usize, self.grid.stride as usize);
+        coordinates
+            .chunks(stride)
+            .take(self.grid.rows as usize)
+            .all(|row| row[..columns].iter().all(|x| *x == coordinates[0]))
+    }
+
     /// Bending stiffness against twist, N·m: the mean of warp and weft.
     fn twist_stiffness(&self) -> f32 {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)

@@ -10,6 +10,7 @@ mod hinges;
 mod lines;
 mod listed;
 mod mesh;
+mod nudge;
 mod patch;
 mod pin;
 mod shear;
@@ -251,6 +252,13 @@ impl Constraints {
         // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
         for grab in &self.grabs {
             grab.apply(particles, sub);
+        }
+    }
+
+    /// Frees a rectangle that is jammed within its own plane: once a tick, on the velocities.
+    pub(crate) fn nudge(&self, particles: &mut Particles) {
+        if let Surface::Grid(grid) = &self.surface {
+            nudge::nudge(grid, particles);
         }
     }
 

@@ -88,6 +88,7 @@ pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Sub
         xpbd::solve(particles, constraints, sub);
     }
     if sub.end == 1.0 {
+        constraints.nudge(particles);
         constraints.damp(particles, sub.h / (sub.end - sub.start));
     }
 }

@@ -27,7 +27,7 @@ impl Plugin for ScenesPlugin {
             }
             Scene::File(scene) => {
                 file::configure(app, scene);
-                app.add_systems(Startup, file::spawn);
+                app.add_systems(Startup, file::spawn).add_systems(Update, file::light);
             }
         }
         let coloring = match self.options.coloring {

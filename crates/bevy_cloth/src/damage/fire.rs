@@ -25,6 +25,8 @@ pub struct ClothFire {
     fire: Fire,
     /// What of its mass each slot still had when that was last taken over.
     mass_factor: Vec<f32>,
+    /// Velocity of the hot gas, cloth frame, m/s.
+    stream: Vec3,
     /// Whether it was burning a tick ago.
     burning: bool,
     /// Whether anything was ever scorched.
@@ -34,7 +36,12 @@ pub struct ClothFire {
 impl ClothFire {
     fn new(fire: Fire) -> Self {
         let mass_factor = vec![1.0; fire.mass_factor().len()];
-        Self { fire, mass_factor, burning: false, scarred: false }
+        Self { fire, mass_factor, stream: Vec3::ZERO, burning: false, scarred: false }
+    }
+
+    /// Velocity of the hot gas above the flames, in the cloth's frame, m/s: up, and with the wind.
+    pub fn stream(&self) -> Vec3 {
+        self.stream
     }
 
     /// Takes over what was torn or cut.
@@ -116,6 +123,7 @@ pub(crate) fn burn(
             None => cloth.frame.pose.rotation.conjugate() * own_wind.unwrap_or(&shared).0,
         };
         let surroundings = Surroundings { wind, up: -gravity, ..default() };
+        fire.stream = surroundings.stream();
         if let Err(error) = fire.fire.burn(&cloth.topology, &cloth.particles, &surroundings, tick.dt) {
             error!("the fire on cloth {} stands still: {error}", cloth.entity);
             continue;

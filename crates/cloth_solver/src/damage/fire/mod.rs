@@ -53,7 +53,15 @@ impl Default for Surroundings {
     }
 }
 
+/// Speed at which the hot gas of a flame rises in still air, m/s: √(g L) of a flame of a tenth of a metre.
+const BUOYANT_SPEED: f32 = 1.0;
+
 impl Surroundings {
+    /// Velocity of the hot gas above a flame, m/s: it rises at 1 m/s against gravity, and the wind carries it along.
+    pub fn stream(&self) -> Vec3 {
+        self.up.normalize_or_zero() * BUOYANT_SPEED + self.wind
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors

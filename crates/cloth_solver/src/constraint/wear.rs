@@ -98,7 +98,34 @@ pub struct Wear<'a> {
     pub rest: &'a [f32],
 }
 
+/// The wear of a cloth, kept for methods that step forces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    stiffness: Vec<f32>,
+    rest: Vec<f32>,
+}
+
+impl Kept {
+    /// Takes over what became of the particles.
+    pub fn update(&mut self, wear: Wear<'_>) {
+        for (kept, told) in [(&mut self.stiffness, wear.stiffness), (&mut self.rest, wear.rest)] {
+            kept.clear();
+            kept.extend_from_slice(told);
+        }
+    }
+
+    /// As it was told.
+    pub fn wear(&self) -> Wear<'_> {
+        Wear { stiffness: &self.stiffness, rest: &self.rest }
+    }
+}
+
 impl Wear<'_> {
+    /// The factors on the stiffness and on the rest length of the link between two slots.
+    pub(super) fn of_link(&self, link: [u32; 2]) -> (f32, f32) {
+        (1.0 / self.compliance(link), self.rest(link))
+    }
+
     /// The factor on the compliance of the link between two slots.
     pub(super) fn compliance(&self, [a, b]: [u32; 2]) -> f32 {
         let stiffness = 0.5 * (self.stiffness[a as usize] + self.stiffness[b as usize]);

@@ -119,8 +119,8 @@ pub use damage::{
 };
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothRecovered, ClothRejected, ClothReset, ClothTorn,
-    ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
+    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};

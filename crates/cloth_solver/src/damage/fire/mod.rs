@@ -1,6 +1,6 @@
 //! Fire: what lights, burns, chars and is gone.
 //!
-//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. It changes no cloth: whoever
+//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. By itself it changes no cloth: whoever
 //! owns the cloth reads what has become of each particle and triangle, and takes it over.
 
 mod balance;
@@ -12,6 +12,7 @@ mod flammability;
 mod heat;
 mod rings;
 mod state;
+mod toll;
 
 pub use flammability::{Contagion, Flammability, Flammable};
 
@@ -93,6 +94,8 @@ pub enum Stage {
 #[derive(Clone, Debug)]
 pub struct Fire {
     state: State,
+    /// kg/m².
+    areal_density: f32,
     rings: Rings,
     level: Level,
 }
@@ -114,6 +117,7 @@ impl Fire {
         let rings = Rings::new(topology);
         Ok(Self {
             state: State::new(topology),
+            areal_density: fabric.areal_density,
             level: match flammable {
                 Flammable::Heat(rule) => Level::Heat(Box::new(Heat::new(topology, &rings, fabric, rule))),
                 Flammable::Contagion(rule) => Level::Contagion(Box::new(Spread::new(topology, &rings, rule))),
@@ -130,12 +134,17 @@ impl Fire {
     pub fn set(&mut self, topology: &Topology, fabric: &Fabric, flammable: &Flammable) -> Result<(), ClothError> {
         fabric.validate()?;
         flammable.validate()?;
+        self.areal_density = fabric.areal_density;
         match (&mut self.level, flammable) {
             (Level::Heat(heat), Flammable::Heat(rule)) => heat.set(fabric, rule),
             (Level::Contagion(spread), Flammable::Contagion(rule)) if spread.rule.seed == rule.seed => {
                 spread.rule = *rule;
             }
-            _ => *self = Self::new(topology, fabric, flammable)?,
+            _ => {
+                let taken = core::mem::take(&mut self.state.taken);
+                *self = Self::new(topology, fabric, flammable)?;
+                self.state.taken = taken;
+            }
         }
         Ok(())
     }
@@ -208,7 +217,7 @@ impl Fire {
         state.burnt_through.clear();
         if dt > 0.0 {
             state.set_air(surroundings.air);
-            state.flaming = 0;
+            (state.flaming, state.burning) = (0, false);
             match &mut self.level {
                 Level::Heat(heat) => {
                     heat.burn(&Around { topology, particles, rings: &self.rings, surroundings }, state, dt);
@@ -283,7 +292,7 @@ impl Fire {
         &self.state.rest_scale
     }
 
-    /// What is left of the mass of the dry cloth, 1 to that of its char.
+    /// What is left of the mass of the dry cloth, 1 to that of its char, and 0.05 or more.
     pub fn mass_factor(&self) -> &[f32] {
         &self.state.mass_factor
     }
@@ -328,6 +337,21 @@ impl Fire {
     /// Number of particles in flames at the end of the last tick.
     pub fn flaming(&self) -> usize {
         self.state.flaming
+    }
+
+    /// Whether anything was in flames at the end of the last tick, or a front of fire on its way.
+    pub fn is_burning(&self) -> bool {
+        self.state.burning
+    }
+
+    /// A particle in flames at the end of the last tick; if there is none, one of the last that were.
+    pub fn flame(&self) -> Option<u32> {
+        self.state.flame
+    }
+
+    /// Whether any particle could still light.
+    pub fn has_fuel(&self) -> bool {
+        (0..self.state.fuel.len()).any(|slot| self.state.combustible(slot))
     }
 }
 

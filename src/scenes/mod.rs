@@ -33,6 +33,10 @@ impl Plugin for ScenesPlugin {
         let coloring = match self.options.coloring {
             Coloring::Material => ClothColoring::Material,
             Coloring::Stress => ClothColoring::Stress,
+            Coloring::Strain => ClothColoring::Strain,
+            Coloring::Temperature => ClothColoring::Temperature,
+            Coloring::Speed => ClothColoring::Speed,
+            Coloring::Contact => ClothColoring::Contact,
         };
         app.insert_resource(Shared(coloring))
             .insert_resource(InspectorOpen(self.options.screenshot.is_none() || self.options.ui));

@@ -8,6 +8,7 @@ mod wisp;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::math::{Affine3A, Vec3A};
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -17,6 +18,7 @@ use cloth_solver::Topology;
 use cloth_solver::damage::fire::Stage;
 
 use self::wisp::{A_ROOT, Root, Wisp, hash, unit};
+use super::ClothColoring;
 use super::write::Drawing;
 use crate::clock::{ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothTopology};
@@ -49,7 +51,8 @@ const LIGHT_RANGE: f32 = 8.0;
 
 /// Whether flames are drawn on cloth that burns.
 ///
-/// A component on a cloth overrides the resource [`Shared<ClothFlames>`](crate::Shared). They are drawn for one camera: of
+/// A component on a cloth overrides the resource [`Shared<ClothFlames>`](crate::Shared). Where a [`ClothColoring`] tells
+/// something no flames hide it. They are drawn for one camera: of
 /// the active 3D cameras the one that draws first.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -85,6 +88,13 @@ impl FromWorld for FlameMaterial {
     }
 }
 
+/// What holds for cloth that has no settings of its own.
+#[derive(SystemParam)]
+pub(crate) struct Settings<'w> {
+    flames: Res<'w, Shared<ClothFlames>>,
+    coloring: Res<'w, Shared<ClothColoring>>,
+}
+
 /// What of a burning cloth its flames follow from.
 #[derive(QueryData)]
 pub(crate) struct Burning {
@@ -96,12 +106,15 @@ pub(crate) struct Burning {
     place: &'static GlobalTransform,
     layers: Option<&'static RenderLayers>,
     own: Option<&'static ClothFlames>,
+    coloring: Option<&'static ClothColoring>,
     drawn: Option<&'static DrawnFlames>,
 }
 
 impl BurningItem<'_, '_> {
-    fn shows_flames(&self, shared: ClothFlames) -> bool {
-        self.fire.flaming() > 0 && self.own.copied().unwrap_or(shared) == ClothFlames::Shown
+    fn shows_flames(&self, shared: &Settings) -> bool {
+        self.fire.flaming() > 0
+            && *self.own.unwrap_or(&shared.flames) == ClothFlames::Shown
+            && *self.coloring.unwrap_or(&shared.coloring) == ClothColoring::Material
     }
 }
 
@@ -109,10 +122,10 @@ impl BurningItem<'_, '_> {
 pub(crate) fn quench(
     cloths: Query<Burning, With<DrawnFlames>>,
     without: Query<(Entity, &DrawnFlames), Without<ClothFire>>,
-    shared: Res<Shared<ClothFlames>>,
+    shared: Settings,
     mut commands: Commands,
 ) {
-    let out = cloths.iter().filter(|cloth| !cloth.shows_flames(shared.0));
+    let out = cloths.iter().filter(|cloth| !cloth.shows_flames(&shared));
     let out = out.filter_map(|cloth| Some((cloth.entity, cloth.drawn?)));
     for (cloth, flames) in out.chain(&without) {
         commands.entity(flames.0).try_despawn();
@@ -125,7 +138,7 @@ pub(crate) fn draw(
     cloths: Query<Burning>,
     mut flames: Query<(&Mesh3d, &mut PointLight, &mut Transform, &mut GlobalTransform), Without<Drawing>>,
     cameras: Query<(&Camera, &GlobalTransform), (With<Camera3d>, Without<PointLight>)>,
-    shared: Res<Shared<ClothFlames>>,
+    shared: Settings,
     clock: Res<Time<ClothClock>>,
     material: Option<Res<FlameMaterial>>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -133,7 +146,7 @@ pub(crate) fn draw(
     mut commands: Commands,
 ) {
     let time = clock.elapsed_secs_f64() + f64::from(clock.interpolation()) * clock.timestep().as_secs_f64();
-    for cloth in cloths.iter().filter(|cloth| cloth.shows_flames(shared.0)) {
+    for cloth in cloths.iter().filter(|cloth| cloth.shows_flames(&shared)) {
         let active = cameras.iter().filter(|(camera, _)| camera.is_active);
         let Some((_, camera)) = active.min_by_key(|(camera, _)| camera.order) else { return };
         let Some(material) = &material else { return commands.init_resource::<FlameMaterial>() };

@@ -65,7 +65,7 @@ impl Root {
         let swell = (0.6 + 1.2 * age) * (1.0 - age * age);
         let width = PROPORTION.0 * size * swell;
         let rise = stream * (life * age * (0.5 + 0.5 * age));
-        let length = PROPORTION.1 * width + 0.04 * stream.length() * life;
+        let length = PROPORTION.1 * width * (0.9 + 0.3 * stream.length());
         let shine = (age * 8.0).min(1.0) * (0.75 + 0.5 * draw());
         Wisp {
             at: self.at + rise + aside + stream.normalize_or_zero() * (0.6 * length),

@@ -4,39 +4,39 @@
 use glam::Vec3;
 
 use super::grid::GridConstraints;
-use super::wear::Wear;
+use super::wear::Condition;
 use crate::topology::{Along, Thread, hinge_angle, threads};
 use crate::{Fabric, Grid, Soa3, Topology};
 
-/// Force on each slot of a rectangle that is `worn`, if it is, N, added to `force`.
-pub(super) fn of_grid(constraints: &GridConstraints, worn: Option<Wear<'_>>, position: &Soa3, force: &mut Soa3) {
+/// Force on each slot of a rectangle in `condition`, N, added to `force`.
+pub(super) fn of_grid(constraints: &GridConstraints, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
     let (grid, fabric) = (constraints.grid, &constraints.fabric);
     let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
     let has_cells = fabric.shear > 0.0 || twist > 0.0;
     let cell = |corners: [usize; 4], force: &mut Soa3| {
-        let left = worn.map_or(1.0, |worn| worn.of_cell(corners.map(|slot| slot as u32)));
+        let left = condition.of_cell(corners);
         of_cell(position, force, &grid, corners, fabric.shear * left, twist * left);
     };
     if let Some(woven) = &constraints.woven {
         for (along, threads) in [(Along::Weft, &woven.weft), (Along::Warp, &woven.warp)] {
             for Thread { slots, width, .. } in threads {
-                let run = Run::new(&grid, fabric, worn, along, slots.len());
+                let run = Run::new(&grid, fabric, condition, along, slots.len());
                 run.add(position, force, |k| slots[k] as usize, |k| width[k]);
             }
         }
         for corners in woven.cells.iter().filter(|_| has_cells) {
             cell(corners.map(|slot| slot as usize), force);
         }
-        woven.loose.add(worn, position, force);
+        woven.loose.add(condition, position, force);
         return;
     }
     let (columns, rows, stride) = (grid.columns as usize, grid.rows as usize, grid.stride as usize);
-    let weft = Run::new(&grid, fabric, worn, Along::Weft, columns);
+    let weft = Run::new(&grid, fabric, condition, Along::Weft, columns);
     for row in 0..rows {
         let width = constraints.row_width[row];
         weft.add(position, force, |k| row * stride + k, |_| width);
     }
-    let warp = Run::new(&grid, fabric, worn, Along::Warp, rows);
+    let warp = Run::new(&grid, fabric, condition, Along::Warp, rows);
     for column in 0..columns {
         let width = constraints.column_width[column];
         warp.add(position, force, |k| k * stride + column, |_| width);
@@ -73,8 +73,8 @@ impl Woven {
 }
 
 /// Stretch and bending of a row, a column or a thread.
-struct Run<'a> {
-    worn: Option<Wear<'a>>,
+struct Run<C> {
+    condition: C,
     count: usize,
     spacing: f32,
     /// Of one spacing wide.
@@ -82,14 +82,14 @@ struct Run<'a> {
     per_curl: f32,
 }
 
-impl<'a> Run<'a> {
-    fn new(grid: &Grid, fabric: &Fabric, worn: Option<Wear<'a>>, along: Along, count: usize) -> Self {
+impl<C: Condition> Run<C> {
+    fn new(grid: &Grid, fabric: &Fabric, condition: C, along: Along, count: usize) -> Self {
         let (a, b) = (grid.spacing.x, grid.spacing.y);
         let (l, across, stretch, bend) = match along {
             Along::Weft => (a, b, fabric.stretch_weft, fabric.bend_weft),
             Along::Warp => (b, a, fabric.stretch_warp, fabric.bend_warp),
         };
-        Self { worn, count, spacing: l, per_strain: stretch * across / l, per_curl: bend * across / (l * l * l) }
+        Self { condition, count, spacing: l, per_strain: stretch * across / l, per_curl: bend * across / (l * l * l) }
     }
 
     /// Adds the forces on its particles `slot(k)`; its links are `width(k)` spacings wide.
@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
             let (at, next) = (slot(k), slot(k + 1));
             let edge = position.get(next) - position.get(at);
             let length = edge.length();
-            let (left, rest) = self.worn.map_or((1.0, 1.0), |worn| worn.of_link([at as u32, next as u32]));
+            let (left, rest) = self.condition.of_link([at, next]);
             let (per_strain, rest) = (self.per_strain * width(k) * left, self.spacing * rest);
             let pull = if length > 0.0 { edge * (per_strain * (1.0 - rest / length)) } else { Vec3::ZERO };
             let mut here = pull;
@@ -156,11 +156,11 @@ impl MeshForces {
         Self { hinges: hinges.collect(), topology: topology.clone(), fabric: *fabric, triangles: which }
     }
 
-    /// Force on each slot of cloth that is `worn`, if it is, N, added to `force`.
-    pub fn add(&self, worn: Option<Wear<'_>>, position: &Soa3, force: &mut Soa3) {
+    /// Force on each slot of cloth in `condition`, N, added to `force`.
+    pub fn add(&self, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
         let Self { topology, fabric, triangles, hinges } = self;
         for triangle in triangles.iter().map(|triangle| *triangle as usize) {
-            of_triangle(topology, fabric, worn, triangle, position, force);
+            of_triangle(topology, fabric, condition, triangle, position, force);
         }
         for (hinge, stiffness) in hinges {
             let (slots, rest) = (topology.hinges[*hinge as usize], topology.hinge_rest[*hinge as usize]);
@@ -172,12 +172,12 @@ impl MeshForces {
 fn of_triangle(
     topology: &Topology,
     fabric: &Fabric,
-    worn: Option<Wear<'_>>,
+    condition: impl Condition,
     triangle: usize,
     position: &Soa3,
     force: &mut Soa3,
 ) {
-    let (compliance, length) = worn.map_or((1.0, 1.0), |worn| worn.of_triangle(topology.triangles[triangle]));
+    let (compliance, length) = condition.of_triangle(topology.triangles[triangle]);
     let rest = topology.triangle_rest[triangle];
     let slots = topology.triangles[triangle].map(|slot| slot as usize);
     let [p0, p1, p2] = slots.map(|slot| position.get(slot));

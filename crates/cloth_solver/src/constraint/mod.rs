@@ -204,11 +204,17 @@ impl Constraints {
 
     /// Adds the forces of all energies at `position` to `force`, N.
     pub(crate) fn add_forces(&self, position: &Soa3, force: &mut Soa3) {
-        let worn = self.worn.as_ref().map(wear::Kept::wear);
+        match &self.worn {
+            None => self.add_forces_in(wear::New, position, force),
+            Some(worn) => self.add_forces_in(worn.wear(), position, force),
+        }
+    }
+
+    fn add_forces_in(&self, condition: impl wear::Condition, position: &Soa3, force: &mut Soa3) {
         match &self.surface {
             Surface::Empty => {}
-            Surface::Grid(grid) => force::of_grid(grid, worn, position, force),
-            Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(worn, position, force)),
+            Surface::Grid(grid) => force::of_grid(grid, condition, position, force),
+            Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(condition, position, force)),
         }
     }
 

@@ -15,7 +15,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::*;
 use cloth_solver::Topology;
-use cloth_solver::damage::fire::Stage;
+use cloth_solver::damage::fire::{BURNT, Stage};
 
 use self::wisp::{A_ROOT, Root, Wisp, hash, unit};
 use super::ClothColoring;
@@ -34,15 +34,15 @@ const WIDEST_ROOT: f32 = 0.12;
 /// Wind lays flames down but does not draw them out for ever: the fastest stream that is drawn, m/s.
 const FASTEST: f32 = 2.5;
 
-/// Fuel that is burnt until the flame stands in full, and left when it begins to shrink.
+/// Fuel that is burnt until a flame stands in full, and that it has left when it begins to shrink.
 const GROWTH: f32 = 0.08;
 
 /// Light of flames on a square metre of cloth, lm: cotton burns with 480 kW/m² (0.03 kg/(m²·s) of 16 MJ/kg), and a
 /// candle makes 12.6 lm of its 80 W.
 const LUMINOUS_EXITANCE: f32 = 75e3;
 
-/// How far from the flames the light stands, towards the camera and with the
-/// stream, m: in the plane of the cloth it would not light it.
+/// How far from the flames the light stands, towards the camera and with the stream, m: in the plane of the cloth it would
+/// not light it.
 const LIGHT: Vec2 = Vec2::new(0.35, 0.2);
 
 /// Colour of that light, and how far it reaches, m.
@@ -52,8 +52,7 @@ const LIGHT_RANGE: f32 = 8.0;
 /// Whether flames are drawn on cloth that burns.
 ///
 /// A component on a cloth overrides the resource [`Shared<ClothFlames>`](crate::Shared). Where a [`ClothColoring`] tells
-/// something no flames hide it. They are drawn for one camera: of
-/// the active 3D cameras the one that draws first.
+/// something no flames hide it. They are turned towards one camera: of the active 3D cameras the one that draws first.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub enum ClothFlames {
@@ -185,10 +184,10 @@ fn spawn(
         PointLight { intensity: seen.lumens, color: LIGHT_COLOR, range: LIGHT_RANGE, ..default() },
         (seen.transform, *cloth.place * seen.transform),
         ChildOf(cloth.entity),
-        #[cfg(feature = "picking")]
-        crate::picking::unseen(),
     ));
     let flames = flames.id();
+    #[cfg(feature = "picking")]
+    commands.entity(flames).insert(crate::picking::unseen());
     if let Some(layers) = cloth.layers {
         commands.entity(flames).insert(layers.clone());
     }
@@ -241,7 +240,7 @@ fn find_roots(fire: &ClothFire, topology: &Topology, place: impl Fn(usize) -> Ve
             continue;
         }
         let fuel = fire.fuel()[slot as usize];
-        let strength = ((1.0 - fuel) / GROWTH).min(fuel / GROWTH).clamp(0.0, 1.0);
+        let strength = ((1.0 - fuel) / GROWTH).min((fuel - BURNT) / GROWTH).clamp(0.0, 1.0);
         let width = (area / share).sqrt().min(WIDEST_ROOT);
         roots.push(Root { at: place(slot as usize), width, strength, seed: slot });
     }

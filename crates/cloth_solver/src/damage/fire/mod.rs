@@ -31,8 +31,8 @@ pub const FLAME_TEMPERATURE: f32 = 1150.0;
 /// Temperature of the air where nothing else is said, K.
 pub const ROOM_TEMPERATURE: f32 = 293.15;
 
-/// Fuel at which the flame goes out and what is left no longer holds together.
-const BURNT: f32 = 0.05;
+/// Fuel at which the flame goes out and what is left no longer holds together, a part of 1.
+pub const BURNT: f32 = 0.05;
 
 /// What is nearer than this to the temperature of the air has it, K.
 const COLD: f32 = 0.5;

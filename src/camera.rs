@@ -1,7 +1,7 @@
 //! The camera that orbits the scene, and the one that draws the panels on top.
 
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+use bevy::camera::{ClearColorConfig, RenderTarget, ShadowLodOrigin, Viewport};
 use bevy::gizmos::transform_gizmo::TransformGizmoCamera;
 use bevy::prelude::*;
 use bevy_cloth_inspector::PanelWidth;
@@ -51,6 +51,8 @@ fn spawn_cameras(
         canvas.0.clone(),
         Transform::from_translation(from).looking_at(to, Vec3::Y),
         TransformGizmoCamera,
+        // Said of itself of a window only; Bevy warns of lights without one.
+        ShadowLodOrigin,
         PanOrbitCamera {
             focus: to,
             button_orbit: MouseButton::Left,

@@ -54,8 +54,16 @@ pub struct Options {
 pub enum Coloring {
     /// The cloth's own material.
     Material,
-    /// How far the threads are stretched, from blue (not at all) to red (the fabric's limit).
+    /// Stress and fire damage, from blue (none) to red (where it tears, or is burnt).
     Stress,
+    /// How far the threads are stretched, from blue (not at all) to red (the fabric's limit).
+    Strain,
+    /// Temperature, from blue (a room) to red (a flame).
+    Temperature,
+    /// Speed, from blue (at rest) to red (5 m/s).
+    Speed,
+    /// Contact: red where something is touched.
+    Contact,
 }
 
 /// Width and height in pixels, written `1280x720`.

@@ -85,6 +85,31 @@ fn a_tearable_cloth_rips_under_a_load_and_another_does_not() {
 }
 
 #[test]
+fn a_seam_that_is_painted_weak_tears_along_its_whole_length_and_nothing_else_does() {
+    const SEAM: f32 = 0.125;
+    let mut app = with_meshes();
+    note_events::<ClothTorn>(&mut app);
+    let mut sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(15).build();
+    let places = sheet.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|all| all.as_float3()).expect("positions").to_vec();
+    let is_seam = |y: f32| (y - SEAM).abs() < 0.01;
+    let strength: Vec<f32> = places.iter().map(|at| if is_seam(at[1]) { 0.2 } else { 1.0 }).collect();
+    sheet.insert_attribute(ATTRIBUTE_STRENGTH, strength);
+    let mesh = Mesh3d(app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet));
+    // 120 N/m hold, 24 at the seam; 60 N hang on a metre.
+    let hem = PinSelect::Region { min: Vec3::new(-0.6, -0.51, -0.1), max: Vec3::new(0.6, -0.49, 0.1) };
+    let cloth = (Cloth::mesh(), mesh, Pins::top(), Weights::one(hem, 6.0), Tearable { scale: 0.01, ..default() });
+    let cloth = app.world_mut().spawn(cloth).id();
+    run(&mut app, 128);
+    let torn = seen::<ClothTorn>(&app);
+    let rest = &get::<ClothTopology>(&app, cloth).rest;
+    assert!(!torn.is_empty());
+    for told in torn {
+        assert!((rest[told.particle as usize].y - SEAM).abs() < 0.07, "torn at {}", rest[told.particle as usize]);
+    }
+    assert!(lowest(&app, cloth) < -1.0, "what is below fell to {}", lowest(&app, cloth));
+}
+
+#[test]
 fn a_tear_by_order_parts_the_nearest_particle_and_a_pin_stays_with_its_side() {
     let mut app = headless();
     let cloth = hung(&mut app);

@@ -15,7 +15,7 @@ pub enum Scene {
 pub const SANDBOX: &str = "sandbox";
 
 /// The scene files of the game by name, inside the program: it runs wherever it is started from.
-pub const FILES: [(&str, &str); 9] = [
+pub const FILES: [(&str, &str); 10] = [
     ("top_hung", include_str!("../../assets/scenes/top_hung.ron")),
     ("corner_hung", include_str!("../../assets/scenes/corner_hung.ron")),
     ("weight_on_corner", include_str!("../../assets/scenes/weight_on_corner.ron")),
@@ -25,6 +25,7 @@ pub const FILES: [(&str, &str); 9] = [
     ("towel_on_box", include_str!("../../assets/scenes/towel_on_box.ron")),
     ("curtain", include_str!("../../assets/scenes/curtain.ron")),
     ("flag_in_wind", include_str!("../../assets/scenes/flag_in_wind.ron")),
+    ("burning_curtain", include_str!("../../assets/scenes/burning_curtain.ron")),
 ];
 
 /// The names, for the command line's help.

@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::{Pose, measure};
 use bevy_cloth::{
-    Cloth, ClothCollider, ColliderFriction, Gravity, Method, PinSelect, Pins, Shared, Substeps, Weight, Weights, Wind,
+    Cloth, ClothCollider, ClothTopology, ColliderFriction, Gravity, IgniteCloth, Method, PinSelect, Pins, Shared,
+    Substeps, Weight, Weights, Wind,
 };
 use cloth_scene::{Scene, SceneCloth, SceneCollider, SceneFan, ScenePins, SceneShape, SceneZone, World as ScenePlay};
 
@@ -35,6 +36,9 @@ const LOWEST: f32 = 0.3;
 /// How long the scene is played beforehand to see where its cloths will be, s, and how coarsely; by the default method,
 /// which so few substeps suffice.
 const FORESEEN: (f32, u32, u32) = (3.0, 4, 5);
+
+/// How far a match reaches, m.
+const MATCH: f32 = 0.02;
 
 /// The scene to be opened.
 #[derive(Resource, Clone, Debug)]
@@ -117,12 +121,30 @@ fn spawn_cloth(
     if !spec.weights.is_empty() {
         commands.entity(entity).insert(weights(spec));
     }
+    if let Some(fire) = &spec.fire {
+        let at = |part: &Vec2| place.transform_point(((*part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
+        commands.entity(entity).insert((fire.burns, Lit(fire.lit.iter().map(at).collect())));
+    }
     if let Some(air) = scene.air {
         commands.entity(entity).insert(air);
     }
     if let [ScenePins::Rods(_)] = spec.pins[..] {
         let rod = place * Transform::from_xyz(0.0, spec.size.y / 2.0 + curtain_rod::DROP, 0.0);
         curtain_rod::hang(commands, rod, entity);
+    }
+}
+
+/// Where a cloth is to be lit as soon as it runs, in the world, m.
+#[derive(Component)]
+pub struct Lit(Vec<Vec3>);
+
+/// Holds the matches to each cloth that has begun to run.
+pub fn light(cloths: Query<(Entity, &Lit), With<ClothTopology>>, mut commands: Commands) {
+    for (entity, Lit(places)) in &cloths {
+        for position in places {
+            commands.trigger(IgniteCloth { entity, position: *position, radius: MATCH });
+        }
+        commands.entity(entity).remove::<Lit>();
     }
 }
 

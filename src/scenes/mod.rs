@@ -27,12 +27,16 @@ impl Plugin for ScenesPlugin {
             }
             Scene::File(scene) => {
                 file::configure(app, scene);
-                app.add_systems(Startup, file::spawn);
+                app.add_systems(Startup, file::spawn).add_systems(Update, file::light);
             }
         }
         let coloring = match self.options.coloring {
             Coloring::Material => ClothColoring::Material,
             Coloring::Stress => ClothColoring::Stress,
+            Coloring::Strain => ClothColoring::Strain,
+            Coloring::Temperature => ClothColoring::Temperature,
+            Coloring::Speed => ClothColoring::Speed,
+            Coloring::Contact => ClothColoring::Contact,
         };
         app.insert_resource(Shared(coloring))
             .insert_resource(InspectorOpen(self.options.screenshot.is_none() || self.options.ui));

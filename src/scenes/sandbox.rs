@@ -51,7 +51,7 @@ pub fn spawn(
         3,
         ClothCollider::Sphere { radius: 0.3 },
         Color::srgb(0.10, 0.42, 0.46),
-        Transform::from_xyz(-0.8, 0.95, -0.2),
+        Transform::from_xyz(-0.9, 0.95, -0.2),
     );
     solid(
         "pyramid",

@@ -139,13 +139,31 @@ pub struct ClothBurntThrough {
     pub triangles: u32,
 }
 
-/// The fire of a cloth went out, and all of it is as cold as the air.
+/// The last flame of a cloth went out before all of it was burnt: water put it out, or it reached nothing more that would
+/// light. What is dry can be lit again.
 ///
-/// An event at the entity and a message.
+/// An event at the entity and a message. Whenever a cloth stops burning it is either this or [`ClothBurntOut`].
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothExtinguished {
+    /// The cloth.
+    pub entity: Entity,
+    /// The particle, or one of those, on which the last flame stood.
+    pub particle: u32,
+    /// Where it stands in the world, m.
+    pub position: Vec3,
+}
+
+/// The last flame of a cloth went out, and nothing is left of it that could light. Its char may still glow.
+///
+/// An event at the entity and a message. Whenever a cloth stops burning it is either this or [`ClothExtinguished`].
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
 pub struct ClothBurntOut {
     /// The cloth.
     pub entity: Entity,
+    /// The particle, or one of those, on which the last flame stood.
+    pub particle: u32,
+    /// Where it stands in the world, or stood when its cloth burnt through, m.
+    pub position: Vec3,
 }
 
 /// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works while the clock is paused.

@@ -9,7 +9,7 @@
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
-//! - [Drawing](#drawing): `ClothColoring`
+//! - [Drawing](#drawing): `ClothColoring`, `ClothFlames`
 //! - [Picking](#picking): `ClothPicking`, [`Grabs`]
 //! - [Features](#features)
 //!
@@ -73,6 +73,7 @@
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
 //! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
 //!
 //! # Picking
 //! A backend for [`bevy::picking`] casts against the shape the cloth has now. The left button grabs it, the right one cuts,
@@ -118,14 +119,14 @@ pub use damage::{
 };
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothRecovered, ClothRejected, ClothReset, ClothTorn,
-    ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
+    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
-pub use render::ClothColoring;
+pub use render::{ClothColoring, ClothFlames};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use stats::ClothStats;

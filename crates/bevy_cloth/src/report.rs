@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 
 use crate::events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothRecovered, ClothRejected, ClothReset, ClothTorn,
-    ColliderRejected, DebrisGone, PiecesSeparated, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
+    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, WindRejected,
 };
 
 /// What can be told.
@@ -79,9 +79,15 @@ impl Report for ClothBurntThrough {
     }
 }
 
+impl Report for ClothExtinguished {
+    fn log(&self, name: &str) {
+        debug!("the fire of cloth {name} went out at particle {}", self.particle);
+    }
+}
+
 impl Report for ClothBurntOut {
     fn log(&self, name: &str) {
-        debug!("the fire of cloth {name} went out");
+        debug!("cloth {name} burnt out");
     }
 }
 

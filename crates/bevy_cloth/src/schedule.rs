@@ -80,7 +80,7 @@ pub enum ClothSystems {
     Collide,
     /// Takes apart what is loaded beyond its strength. In [`ClothSchedule`].
     Tear,
-    /// Burns what is alight. Empty as yet. In [`ClothSchedule`].
+    /// Burns what is alight. In [`ClothSchedule`].
     Burn,
     /// Mends faults and takes statistics. In [`ClothSchedule`].
     Writeback,

@@ -69,8 +69,9 @@ impl Loads {
         Ok(Self(loads))
     }
 
-    /// Adds the weights to particles that carry none yet.
+    /// Adds the weights to particles that carry none yet. What hung on a particle that is burnt away is gone, too.
     pub fn hang(&self, particles: &mut Particles) -> Result<(), ClothError> {
-        self.0.iter().try_for_each(|(slot, mass)| particles.add_mass(*slot as usize, *mass))
+        let there: Vec<_> = self.0.iter().filter(|(slot, _)| particles.mass[*slot as usize] > 0.0).collect();
+        there.into_iter().try_for_each(|(slot, mass)| particles.add_mass(*slot as usize, *mass))
     }
 }

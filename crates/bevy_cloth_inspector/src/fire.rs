@@ -25,8 +25,10 @@ pub fn show(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
         if world.contains_resource::<ClothPicking>() {
             widgets::edit_resource(world, |picking: &mut ClothPicking| {
                 widgets::row(ui, "middle button", "What it does to cloth that may burn.", |ui| {
-                    ui.selectable_value(&mut picking.tool, FireTool::Match, "match");
-                    ui.selectable_value(&mut picking.tool, FireTool::Water, "water");
+                    ui.horizontal(|ui| {
+                        ui.selectable_value(&mut picking.tool, FireTool::Match, "match");
+                        ui.selectable_value(&mut picking.tool, FireTool::Water, "water");
+                    });
                 });
             });
         }

@@ -22,7 +22,7 @@ fn draw(world: &mut World) -> Option<f32> {
     // An area of its own: a panel on egui's background would let clicks through to the scene.
     let screen = context.viewport_rect();
     let corner = screen.right_top() - egui::vec2(WIDTH, 0.0);
-    let area = egui::Area::new("cloth inspector".into()).fixed_pos(corner).constrain(false).show(&context, |ui| {
+    egui::Area::new("cloth inspector".into()).fixed_pos(corner).constrain(false).show(&context, |ui| {
         let frame = egui::Frame::side_top_panel(ui.style());
         let size = egui::vec2(WIDTH, screen.height()) - frame.total_margin().sum();
         frame.show(ui, |ui| {
@@ -31,7 +31,7 @@ fn draw(world: &mut World) -> Option<f32> {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
         });
     });
-    Some(area.response.rect.width())
+    Some(WIDTH)
 }
 
 fn sections(ui: &mut egui::Ui, world: &mut World) {

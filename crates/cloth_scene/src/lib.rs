@@ -5,10 +5,12 @@
 
 mod air;
 mod error;
+mod fire;
 mod scene;
 mod world;
 
 pub use air::{SceneFan, SceneZone};
 pub use error::SceneError;
+pub use fire::SceneFire;
 pub use scene::{Scene, SceneCloth, SceneCollider, SceneFabric, ScenePins, ScenePlace, SceneShape, SceneWeight};
 pub use world::World;

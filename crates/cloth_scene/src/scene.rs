@@ -6,7 +6,7 @@ use cloth_solver::{ClothError, Fabric, Pose};
 use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{SceneError, SceneFan, SceneZone};
+use crate::{SceneError, SceneFan, SceneFire, SceneZone};
 
 /// A scene: cloths, colliders, gravity, air and what moves it, and how it is advanced. Every field may be left out, none may be unknown.
 ///
@@ -109,6 +109,8 @@ pub struct SceneCloth {
     pub pins: Vec<ScenePins>,
     /// Weights that hang on it.
     pub weights: Vec<SceneWeight>,
+    /// How it burns, and where it is lit. Default none: it does not burn.
+    pub fire: Option<SceneFire>,
     /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z.
     pub place: ScenePlace,
 }
@@ -123,6 +125,7 @@ impl Default for SceneCloth {
             damping: None,
             pins: Vec::new(),
             weights: Vec::new(),
+            fire: None,
             place: ScenePlace::default(),
         }
     }

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::damage::fire::{Fire, Surroundings};
 use cloth_solver::forces::GustyWind;
 use cloth_solver::topology::Resolution;
-use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology};
+use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology, measure};
 use glam::UVec2;
 
+use crate::fire::SceneFire;
 use crate::scene::{SceneCloth, SceneCollider, ScenePins, ScenePlace, SceneShape, SceneWeight};
 use crate::{Scene, SceneError};
 
@@ -22,6 +24,8 @@ pub struct World {
     pub cloths: Vec<Cloth>,
     /// Their frames.
     pub frames: Vec<Pose>,
+    /// The fires of those that may burn.
+    pub fires: Vec<Option<Fire>>,
     wind: GustyWind,
     /// s.
     elapsed: f64,
@@ -34,11 +38,13 @@ impl World {
     /// What in the scene is out of range.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let frames: Vec<Pose> = scene.cloths.iter().map(|cloth| cloth.place.pose()).collect();
-        let mut cloths = Vec::with_capacity(scene.cloths.len());
+        let (mut cloths, mut fires) = (Vec::with_capacity(scene.cloths.len()), Vec::new());
         for (index, (spec, frame)) in scene.cloths.iter().zip(&frames).enumerate() {
-            cloths.push(build(index, spec, frame, scene)?);
+            let cloth = build(index, spec, frame, scene)?;
+            fires.push(light(spec, &cloth).map_err(|error| SceneError::Cloth { cloth: index, error })?);
+            cloths.push(cloth);
         }
-        Ok(Self { scene: scene.clone(), cloths, frames, wind: GustyWind::default(), elapsed: 0.0 })
+        Ok(Self { scene: scene.clone(), cloths, frames, fires, wind: GustyWind::default(), elapsed: 0.0 })
     }
 
     /// Advances by one tick of `1/rate` seconds.
@@ -47,7 +53,7 @@ impl World {
         let tick = Tick { dt: 1.0 / scene.rate, substeps: scene.substeps, iterations: scene.iterations };
         self.elapsed += f64::from(tick.dt);
         self.wind.advance(scene.wind, &scene.gusts, tick.dt);
-        for (cloth, frame) in self.cloths.iter_mut().zip(&self.frames) {
+        for ((cloth, fire), frame) in self.cloths.iter_mut().zip(&mut self.fires).zip(&self.frames) {
             cloth.air = scene.air;
             if scene.air.is_some() {
                 let seen = |place: &ScenePlace| frame.inverse_pose(&place.pose());
@@ -56,7 +62,17 @@ impl World {
                 let fans = scene.fans.iter().map(|spec| (spec.fan, spec.fan.turned(seen(&spec.place), self.elapsed)));
                 cloth.wind.set_fans(fans, &cloth.contacts.colliders);
             }
-            cloth.step(tick, frame.rotation.conjugate() * scene.gravity);
+            let gravity = frame.rotation.conjugate() * scene.gravity;
+            cloth.step(tick, gravity);
+            if let Some(fire) = fire {
+                let wind = match scene.air {
+                    Some(_) => cloth.wind.at(measure::centre_of_mass(&cloth.particles).as_vec3()),
+                    None => frame.rotation.conjugate() * scene.wind,
+                };
+                let around = Surroundings { wind, up: -gravity, ..Surroundings::default() };
+                // Refused only where wind or gravity were changed to what no scene may have; then the fire stands still.
+                let _ = cloth.burn(fire, &around, tick.dt);
+            }
         }
     }
 
@@ -86,6 +102,22 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
         cloth.contacts.colliders.push(solid(collider, frame, &fabric).map_err(error)?);
     }
     Ok(cloth)
+}
+
+/// The fire of a cloth that may burn, lit where the scene says.
+fn light(spec: &SceneCloth, cloth: &Cloth) -> Result<Option<Fire>, ClothError> {
+    let Some(SceneFire { burns, lit }) = &spec.fire else { return Ok(None) };
+    // A fabric that is none was refused before.
+    let mut fire = Fire::new(&cloth.topology, &spec.fabric().unwrap_or_default(), burns)?;
+    for at in lit {
+        ClothError::check("SceneFire::lit.x", at.x, 0.0..=1.0, "0..=1, parts of the width from the left")?;
+        ClothError::check("SceneFire::lit.y", at.y, 0.0..=1.0, "0..=1, parts of the height from the top")?;
+        if let Some(grid) = cloth.topology.grid {
+            let place = (*at * spec.cells.as_vec2()).round().as_uvec2();
+            fire.ignite_particle(grid.slot(place.y, place.x))?;
+        }
+    }
+    Ok(Some(fire))
 }
 
 /// A collider in the frame of a cloth of `fabric`.

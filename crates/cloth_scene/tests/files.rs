@@ -97,6 +97,11 @@ fn what_is_out_of_range_is_refused_by_cloth_field_value_and_range() {
         (format!("(cloths: [({fine}, fabric: Custom((shear: -1)))])"), "cloth 0: `Fabric::shear` is -1"),
         (format!("(cloths: [({fine}, weights: [(at: (2, 0), mass: 1)])])"), "cloth 0: `SceneWeight::at.x` is 2"),
         (format!("(cloths: [({fine}, weights: [(at: (1, 0), mass: -1)])])"), "cloth 0: `SceneWeight::mass` is -1"),
+        (format!("(cloths: [({fine}, fire: (lit: [(0, 7)]))])"), "cloth 0: `SceneFire::lit.y` is 7"),
+        (
+            format!("(cloths: [({fine}, fire: (burns: Heat((char: 2))))])"),
+            "cloth 0: `Flammability::char` is 2, allowed is 0..=0.95",
+        ),
         (format!("(cloths: [({fine}, pins: [Rods(4000000000)])])"), "cloth 0: `ScenePins::Rods` is 4000000000"),
         (format!("(cloths: [({fine}, place: (at: (0, NaN, 0)))])"), "cloth 0: `SceneCloth::place` is NaN"),
         (format!("(cloths: [({fine})], colliders: [(shape: Ground), (shape: Sphere(radius: 0))])"), "collider 1: "),
@@ -177,6 +182,21 @@ fn gusts_zones_and_fans_move_a_cloth_each_on_its_own() {
     assert!(steady.distance(gusty) > 0.05, "{steady} and {gusty}");
     assert_eq!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3),"));
     assert_ne!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3, seed: 1),"));
+}
+
+#[test]
+fn a_cloth_that_is_lit_burns_from_there_and_one_that_is_not_stays_cold() {
+    let cloth = |fire: &str| format!("(size: (0.2, 0.2), cells: (8, 8), pins: [Top], fire: {fire})");
+    let lit = "(burns: Heat((heat_flux: 2e5, mass_loss_rate: 0.5)), lit: [(0.5, 1)])";
+    let text = format!("(rate: 60, cloths: [{}, {}])", cloth(lit), cloth("()"));
+    let mut world = World::new(&scene(&text)).expect("valid");
+    let fire = |world: &World, index: usize| world.fires[index].clone().expect("it may burn");
+    (0..3).for_each(|_| world.tick());
+    let flame = fire(&world, 0).flame().expect("in flames");
+    assert_eq!(flame, world.cloths[0].topology.grid.expect("a rectangle").slot(8, 4));
+    (0..90).for_each(|_| world.tick());
+    assert!(world.cloths[0].topology.triangles.len() < 128, "it burns through");
+    assert_eq!((fire(&world, 1).is_warm(), world.cloths[1].topology.triangles.len()), (false, 128));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::contact::Contacts;
+use crate::damage::fire::{Fire, Surroundings};
 use crate::damage::{self, Blade, Cut, Direction, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
@@ -113,6 +114,26 @@ impl Cloth {
         let change = damage::tear_at(&mut self.topology, particle, pull);
         self.follow(&before, change.as_ref());
         change
+    }
+
+    /// Burns it with its `fire` for `dt` s; what burns through is taken out. `None` if nothing does.
+    ///
+    /// # Errors
+    /// Those of [`Fire::burn`]; then nothing changes.
+    pub fn burn(&mut self, fire: &mut Fire, around: &Surroundings, dt: f32) -> Result<Option<Change>, ClothError> {
+        if !fire.is_warm() {
+            return Ok(None);
+        }
+        fire.burn(&self.topology, &self.particles, around, dt)?;
+        let change = match fire.burnt_through() {
+            [] => None,
+            gone => self.remove_triangles(gone),
+        };
+        if let Some(change) = &change {
+            fire.follow(&self.topology, change);
+        }
+        fire.take_toll(&self.topology, &mut self.particles, &mut self.constraints);
+        Ok(change)
     }
 
     /// Takes triangles out; `None` if there is none of them.

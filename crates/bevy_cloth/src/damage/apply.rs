@@ -49,6 +49,7 @@ impl WholeItem<'_, '_> {
         }
         if let Some(fire) = &mut self.fire {
             fire.follow(&now, change);
+            fire.take_toll(&now, &mut self.particles, &mut self.constraints);
         }
         if !change.vertices.is_empty() {
             Arc::make_mut(&mut self.skin.0).follow(change);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use cloth_solver::constraint::Wear;
+use cloth_solver::cloth::Constraints;
 use cloth_solver::damage;
 use cloth_solver::damage::fire::{Fire, Flammable, Surroundings};
 
@@ -11,7 +11,7 @@ use super::apply::Whole;
 use crate::Fabric;
 use crate::air::{self, Wind};
 use crate::cloth::ClothRejection;
-use crate::events::{ClothBurntOut, ClothBurntThrough, ClothIgnited};
+use crate::events::{ClothBurntOut, ClothBurntThrough, ClothExtinguished, ClothIgnited};
 use crate::prepare::StepPlan;
 use crate::report::report;
 use crate::settings::Shared;
@@ -23,8 +23,12 @@ use crate::step::ClothTick;
 pub struct ClothFire {
     #[deref]
     fire: Fire,
-    /// What of its mass each slot still had when that was last taken over.
-    mass_factor: Vec<f32>,
+    /// Number of slots it was made for or has followed.
+    slots: usize,
+    /// Whether the cloth is made of something else since the last tick.
+    renewed: bool,
+    /// Velocity of the hot gas, cloth frame, m/s.
+    stream: Vec3,
     /// Whether it was burning a tick ago.
     burning: bool,
     /// Whether anything was ever scorched.
@@ -33,16 +37,36 @@ pub struct ClothFire {
 
 impl ClothFire {
     fn new(fire: Fire) -> Self {
-        let mass_factor = vec![1.0; fire.mass_factor().len()];
-        Self { fire, mass_factor, burning: false, scarred: false }
+        let slots = fire.fuel().len();
+        Self { fire, slots, renewed: false, stream: Vec3::ZERO, burning: false, scarred: false }
+    }
+
+    /// Velocity of the hot gas above the flames, in the cloth's frame, m/s: up, and with the wind.
+    pub fn stream(&self) -> Vec3 {
+        self.stream
     }
 
     /// Takes over what was torn or cut.
     pub(crate) fn follow(&mut self, now: &cloth_solver::Topology, change: &cloth_solver::topology::Change) {
         self.fire.follow(now, change);
-        self.mass_factor.resize(change.slots, 1.0);
-        for born in &change.born {
-            self.mass_factor[born.slot as usize] = born.blend(|slot| self.mass_factor[slot]);
+        self.slots = change.slots;
+    }
+
+    /// Takes note that the cloth was given its full mass and stiffness again.
+    pub(crate) fn renew(&mut self) {
+        self.fire.forget_toll();
+        self.renewed = true;
+    }
+
+    /// Lets mass and stiffness of the cloth be what the fire left of them.
+    pub(crate) fn take_toll(
+        &mut self,
+        topology: &cloth_solver::Topology,
+        particles: &mut cloth_solver::Particles,
+        constraints: &mut Constraints,
+    ) {
+        if self.scarred {
+            self.fire.take_toll(topology, particles, constraints);
         }
     }
 }
@@ -89,7 +113,7 @@ pub(crate) fn burn(
         let slots = cloth.topology.slots();
         let is_changed = flammable.is_changed() || fabric.as_ref().is_some_and(|fabric| fabric.is_changed());
         let fabric = fabric.map_or_else(Fabric::default, |fabric| *fabric);
-        let Some(fire) = cloth.fire.as_mut().filter(|fire| fire.mass_factor.len() == slots) else {
+        let Some(fire) = cloth.fire.as_mut().filter(|fire| fire.slots == slots) else {
             // Both were checked, or the cloth would be rejected.
             if let Ok(fire) = Fire::new(&cloth.topology, &fabric, &flammable) {
                 commands.entity(cloth.entity).try_insert(ClothFire::new(fire));
@@ -99,14 +123,12 @@ pub(crate) fn burn(
         if is_changed && fire.fire.set(&cloth.topology, &fabric, &flammable).is_err() {
             continue;
         }
+        let renewed = core::mem::take(&mut fire.renewed);
         if !fire.is_warm() {
-            if fire.burning {
-                fire.burning = false;
-                report(&mut commands, ClothBurntOut { entity: cloth.entity });
+            if renewed || is_changed {
+                cloth.take_toll();
             }
-            if is_changed && fire.scarred {
-                cloth.take_over_fire();
-            }
+            cloth.tell_flames(&mut commands);
             continue;
         }
         let gravity = cloth.particles.acceleration;
@@ -116,36 +138,39 @@ pub(crate) fn burn(
             None => cloth.frame.pose.rotation.conjugate() * own_wind.unwrap_or(&shared).0,
         };
         let surroundings = Surroundings { wind, up: -gravity, ..default() };
+        fire.stream = surroundings.stream();
         if let Err(error) = fire.fire.burn(&cloth.topology, &cloth.particles, &surroundings, tick.dt) {
             error!("the fire on cloth {} stands still: {error}", cloth.entity);
             continue;
         }
-        let first = fire.ignited().iter().min().copied();
-        if let Some(particle) = first.filter(|_| !fire.burning) {
-            fire.burning = true;
-            let position = cloth.place(particle);
-            report(&mut commands, ClothIgnited { entity: cloth.entity, particle, position });
-        }
-        cloth.take_over_fire();
+        fire.scarred = true;
+        cloth.take_toll();
         cloth.burn_through(&mut commands);
+        cloth.tell_flames(&mut commands);
     }
 }
 
 impl super::apply::WholeItem<'_, '_> {
     /// Lets mass and stiffness be what the fire left of them.
-    fn take_over_fire(&mut self) {
-        let Some(fire) = &mut self.fire else { return };
-        fire.scarred = true;
-        let ClothFire { fire, mass_factor, .. } = &mut **fire;
-        for (slot, (known, now)) in mass_factor.iter_mut().zip(fire.mass_factor()).enumerate() {
-            if *known != *now {
-                let ratio = *now / *known;
-                self.particles.mass[slot] *= ratio;
-                self.particles.inertia[slot] *= ratio;
-                *known = *now;
-            }
+    fn take_toll(&mut self) {
+        if let Some(fire) = &mut self.fire {
+            fire.take_toll(&self.topology, &mut self.particles, &mut self.constraints);
         }
-        self.constraints.wear(Some(Wear { stiffness: fire.stiffness(), rest: fire.rest_scale() }));
+    }
+
+    /// Tells when the first flame breaks out and when the last goes out.
+    fn tell_flames(&mut self, commands: &mut Commands) {
+        let Some(fire) = &mut self.fire else { return };
+        let burns = fire.is_burning();
+        let (Some(particle), true) = (fire.flame(), burns != fire.burning) else { return };
+        fire.burning = burns;
+        let (entity, is_left) = (self.entity, fire.has_fuel());
+        let position = self.place(particle);
+        match (burns, is_left) {
+            (true, _) => report(commands, ClothIgnited { entity, particle, position }),
+            (false, true) => report(commands, ClothExtinguished { entity, particle, position }),
+            (false, false) => report(commands, ClothBurntOut { entity, particle, position }),
+        }
     }
 
     /// Takes out what is burnt through.
@@ -158,7 +183,6 @@ impl super::apply::WholeItem<'_, '_> {
         let mut now = self.topology.0.clone();
         let Some(change) = damage::remove(Arc::make_mut(&mut now), &gone) else { return };
         self.become_(now, &change, commands);
-        self.take_over_fire();
         let triangles = gone.len() as u32;
         report(commands, ClothBurntThrough { entity: self.entity, particle, position, triangles });
     }

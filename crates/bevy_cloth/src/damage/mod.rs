@@ -30,7 +30,8 @@ pub const ATTRIBUTE_STRENGTH: MeshVertexAttribute =
 /// Adds the systems of this folder.
 pub(crate) fn plugin(app: &mut App) {
     use crate::events::{
-        ClothBurntOut, ClothBurntThrough, ClothCut, ClothIgnited, ClothTorn, DebrisGone, PiecesSeparated,
+        ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothTorn, DebrisGone,
+        PiecesSeparated,
     };
     app.add_message::<ClothTorn>()
         .add_message::<ClothCut>()
@@ -38,6 +39,7 @@ pub(crate) fn plugin(app: &mut App) {
         .add_message::<DebrisGone>()
         .add_message::<ClothIgnited>()
         .add_message::<ClothBurntThrough>()
+        .add_message::<ClothExtinguished>()
         .add_message::<ClothBurntOut>()
         .register_type::<Flammable>()
         .register_type_data::<Flammable, ReflectComponent>()

@@ -93,6 +93,12 @@ pub(crate) fn hidden_from_mesh_picking() -> impl Bundle {
     SimplifiedMesh(NO_MESH)
 }
 
+/// Lets every pointer look through what bears it.
+#[cfg(feature = "render")]
+pub(crate) fn unseen() -> impl Bundle {
+    (Pickable::IGNORE, hidden_from_mesh_picking())
+}
+
 /// Takes off an entity what picking put on it.
 pub(crate) fn forget(entity: &mut EntityWorldMut) {
     entity.remove::<backend::ClothSurface>();

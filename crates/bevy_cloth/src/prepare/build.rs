@@ -37,6 +37,7 @@ pub(crate) struct Running {
     contacts: &'static mut Contacts,
     anchors: &'static mut Anchors,
     loads: &'static mut Loads,
+    fire: Option<&'static mut ClothFire>,
 }
 
 /// Everything a build reads beside the cloth itself.
@@ -220,6 +221,9 @@ impl RunningItem<'_, '_> {
         constraints.grabs = std::mem::take(&mut self.constraints.grabs);
         *self.constraints = constraints;
         *self.contacts = new.contacts;
+        if let Some(fire) = &mut self.fire {
+            fire.renew();
+        }
         Ok(())
     }
 

@@ -7,8 +7,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use cloth_solver::Topology;
 
-use super::material;
 use super::write::Drawing;
+use super::{flames, material};
 use crate::cloth::ClothTopology;
 use crate::prepare::{ClothSkin, DrawnMesh, Skin};
 
@@ -79,6 +79,7 @@ fn two_sided(topology: &Topology, skin: &Skin) -> Mesh {
 
 /// Takes off the entity what was put on to draw the cloth, and gives it back its own mesh.
 pub(crate) fn undraw(entity: &mut EntityWorldMut) {
+    flames::undraw(entity);
     let Some(mesh) = entity.take::<DrawnMesh>() else { return };
     entity.remove::<(Drawing, NoAutoAabb, Aabb)>();
     if entity.get::<Mesh3d>().is_some_and(|shown| shown.0 == mesh.drawn) {

@@ -1,7 +1,8 @@
-//! What is drawn: a mesh for each cloth, its bounds and its colours.
+//! What is drawn: a mesh for each cloth, its bounds and its colours, and flames where it burns.
 
 mod attach;
 mod color;
+mod flames;
 mod material;
 mod surface;
 mod write;
@@ -16,6 +17,7 @@ use crate::schedule::ClothSystems;
 use crate::settings::Shared;
 
 pub(crate) use attach::undraw;
+pub use flames::ClothFlames;
 
 /// What the colour of a cloth tells.
 ///
@@ -52,6 +54,9 @@ pub(crate) fn plugin(app: &mut App) {
     app.init_resource::<Shared<ClothColoring>>()
         .register_type::<ClothColoring>()
         .register_type::<Shared<ClothColoring>>()
+        .init_resource::<Shared<ClothFlames>>()
+        .register_type::<ClothFlames>()
+        .register_type::<Shared<ClothFlames>>()
         .configure_sets(
             PostUpdate,
             ClothSystems::Draw
@@ -65,6 +70,11 @@ pub(crate) fn plugin(app: &mut App) {
                 attach::attach.run_if(resource_exists::<Assets<Mesh>>),
                 material::color.run_if(resource_exists::<Assets<StandardMaterial>>),
                 write::write.run_if(resource_exists::<Assets<Mesh>>),
+                (flames::quench, flames::draw).chain().run_if(
+                    resource_exists::<Assets<Mesh>>
+                        .and_then(resource_exists::<Assets<StandardMaterial>>)
+                        .and_then(resource_exists::<Assets<Image>>),
+                ),
             )
                 .chain()
                 .after(clock::interpolate)

@@ -48,6 +48,16 @@ impl Drawing {
         }
     }
 
+    /// Position of each slot as drawn, cloth frame, m.
+    pub fn shown(&self) -> &[Vec3] {
+        &self.shown
+    }
+
+    /// From the cloth's frame to that of the entity as drawn, scale included.
+    pub fn relation(&self) -> &Affine3A {
+        &self.relation
+    }
+
     /// Takes over the shape between two ticks; whether it is another one than before.
     fn show(&mut self, history: &Soa3, position: &Soa3, between: f32) -> bool {
         let mut moved = false;

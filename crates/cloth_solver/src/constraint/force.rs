@@ -4,39 +4,47 @@
 use glam::Vec3;
 
 use super::grid::GridConstraints;
+use super::wear::Condition;
 use crate::topology::{Along, Thread, hinge_angle, threads};
 use crate::{Fabric, Grid, Soa3, Topology};
 
-/// Force on each slot of a rectangle, N, added to `force`.
-pub(super) fn of_grid(constraints: &GridConstraints, position: &Soa3, force: &mut Soa3) {
+/// Force on each slot of a rectangle in `condition`, N, added to `force`.
+pub(super) fn of_grid(constraints: &GridConstraints, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
     let (grid, fabric) = (constraints.grid, &constraints.fabric);
     let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
     let has_cells = fabric.shear > 0.0 || twist > 0.0;
+    let cell = |corners: [usize; 4], force: &mut Soa3| {
+        let left = condition.of_cell(corners);
+        of_cell(position, force, &grid, corners, fabric.shear * left, twist * left);
+    };
     if let Some(woven) = &constraints.woven {
         for (along, threads) in [(Along::Weft, &woven.weft), (Along::Warp, &woven.warp)] {
             for Thread { slots, width, .. } in threads {
-                Run::new(&grid, fabric, along, slots.len()).add(position, force, |k| slots[k] as usize, |k| width[k]);
+                let run = Run::new(&grid, fabric, condition, along, slots.len());
+                run.add(position, force, |k| slots[k] as usize, |k| width[k]);
             }
         }
         for corners in woven.cells.iter().filter(|_| has_cells) {
-            cell(position, force, &grid, corners.map(|slot| slot as usize), fabric.shear, twist);
+            cell(corners.map(|slot| slot as usize), force);
         }
-        woven.loose.add(position, force);
+        woven.loose.add(condition, position, force);
         return;
     }
     let (columns, rows, stride) = (grid.columns as usize, grid.rows as usize, grid.stride as usize);
+    let weft = Run::new(&grid, fabric, condition, Along::Weft, columns);
     for row in 0..rows {
         let width = constraints.row_width[row];
-        Run::new(&grid, fabric, Along::Weft, columns).add(position, force, |k| row * stride + k, |_| width);
+        weft.add(position, force, |k| row * stride + k, |_| width);
     }
+    let warp = Run::new(&grid, fabric, condition, Along::Warp, rows);
     for column in 0..columns {
         let width = constraints.column_width[column];
-        Run::new(&grid, fabric, Along::Warp, rows).add(position, force, |k| k * stride + column, |_| width);
+        warp.add(position, force, |k| k * stride + column, |_| width);
     }
     if has_cells {
         for row in 0..rows - 1 {
             for at in row * stride..row * stride + columns - 1 {
-                cell(position, force, &grid, [at, at + 1, at + stride, at + stride + 1], fabric.shear, twist);
+                cell([at, at + 1, at + stride, at + stride + 1], force);
             }
         }
     }
@@ -65,7 +73,8 @@ impl Woven {
 }
 
 /// Stretch and bending of a row, a column or a thread.
-struct Run {
+struct Run<C> {
+    condition: C,
     count: usize,
     spacing: f32,
     /// Of one spacing wide.
@@ -73,29 +82,31 @@ struct Run {
     per_curl: f32,
 }
 
-impl Run {
-    fn new(grid: &Grid, fabric: &Fabric, along: Along, count: usize) -> Self {
+impl<C: Condition> Run<C> {
+    fn new(grid: &Grid, fabric: &Fabric, condition: C, along: Along, count: usize) -> Self {
         let (a, b) = (grid.spacing.x, grid.spacing.y);
         let (l, across, stretch, bend) = match along {
             Along::Weft => (a, b, fabric.stretch_weft, fabric.bend_weft),
             Along::Warp => (b, a, fabric.stretch_warp, fabric.bend_warp),
         };
-        Self { count, spacing: l, per_strain: stretch * across / l, per_curl: bend * across / (l * l * l) }
+        Self { condition, count, spacing: l, per_strain: stretch * across / l, per_curl: bend * across / (l * l * l) }
     }
 
     /// Adds the forces on its particles `slot(k)`; its links are `width(k)` spacings wide.
     fn add(&self, position: &Soa3, force: &mut Soa3, slot: impl Fn(usize) -> usize, width: impl Fn(usize) -> f32) {
-        let mut last = Vec3::ZERO;
+        let (mut last, mut last_left) = (Vec3::ZERO, 1.0);
         for k in 0..self.count - 1 {
             let (at, next) = (slot(k), slot(k + 1));
             let edge = position.get(next) - position.get(at);
             let length = edge.length();
-            let per_strain = self.per_strain * width(k);
-            let pull = if length > 0.0 { edge * (per_strain * (1.0 - self.spacing / length)) } else { Vec3::ZERO };
+            let (left, rest) = self.condition.of_link([at, next]);
+            let (per_strain, rest) = (self.per_strain * width(k) * left, self.spacing * rest);
+            let pull = if length > 0.0 { edge * (per_strain * (1.0 - rest / length)) } else { Vec3::ZERO };
             let mut here = pull;
             let mut there = -pull;
             if k > 0 && self.per_curl > 0.0 {
-                let curl = (edge - last) * (self.per_curl * width(k).min(width(k - 1)));
+                let per_curl = self.per_curl * width(k).min(width(k - 1)) * f32::min(left, last_left);
+                let curl = (edge - last) * per_curl;
                 let before = slot(k - 1);
                 force.set(before, force.get(before) - curl);
                 here += 2.0 * curl;
@@ -103,13 +114,13 @@ impl Run {
             }
             force.set(at, force.get(at) + here);
             force.set(next, force.get(next) + there);
-            last = edge;
+            (last, last_left) = (edge, left);
         }
     }
 }
 
 /// Shear and twist of a cell with the corners p00, p10, p01, p11.
-fn cell(position: &Soa3, force: &mut Soa3, grid: &Grid, corners: [usize; 4], shear: f32, twist: f32) {
+fn of_cell(position: &Soa3, force: &mut Soa3, grid: &Grid, corners: [usize; 4], shear: f32, twist: f32) {
     let [p00, p10, p01, p11] = corners.map(|i| position.get(i));
     let (e, f) = (p11 - p00, p10 - p01);
     let area = grid.spacing.x * grid.spacing.y;
@@ -145,10 +156,12 @@ impl MeshForces {
         Self { hinges: hinges.collect(), topology: topology.clone(), fabric: *fabric, triangles: which }
     }
 
-    /// Force on each slot, N, added to `force`.
-    pub fn add(&self, position: &Soa3, force: &mut Soa3) {
+    /// Force on each slot of cloth in `condition`, N, added to `force`.
+    pub fn add(&self, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
         let Self { topology, fabric, triangles, hinges } = self;
-        triangles.iter().for_each(|triangle| of_triangle(topology, fabric, *triangle as usize, position, force));
+        for triangle in triangles.iter().map(|triangle| *triangle as usize) {
+            of_triangle(topology, fabric, condition, triangle, position, force);
+        }
         for (hinge, stiffness) in hinges {
             let (slots, rest) = (topology.hinges[*hinge as usize], topology.hinge_rest[*hinge as usize]);
             bend(slots.map(|slot| slot as usize), rest, *stiffness, position, force);
@@ -156,7 +169,15 @@ impl MeshForces {
     }
 }
 
-fn of_triangle(topology: &Topology, fabric: &Fabric, triangle: usize, position: &Soa3, force: &mut Soa3) {
+fn of_triangle(
+    topology: &Topology,
+    fabric: &Fabric,
+    condition: impl Condition,
+    triangle: usize,
+    position: &Soa3,
+    force: &mut Soa3,
+) {
+    let (compliance, length) = condition.of_triangle(topology.triangles[triangle]);
     let rest = topology.triangle_rest[triangle];
     let slots = topology.triangles[triangle].map(|slot| slot as usize);
     let [p0, p1, p2] = slots.map(|slot| position.get(slot));
@@ -164,9 +185,10 @@ fn of_triangle(topology: &Topology, fabric: &Fabric, triangle: usize, position: 
     let (e1, e2) = (p1 - p0, p2 - p0);
     let (u, v) = (e1 * m.x_axis.x + e2 * m.x_axis.y, e1 * m.y_axis.x + e2 * m.y_axis.y);
     let area = 0.5 * rest.determinant().abs();
-    let along = |f: Vec3, stiffness: f32| f.normalize_or_zero() * (stiffness * (f.length() - 1.0));
+    let along = |f: Vec3, stiffness: f32| f.normalize_or_zero() * (stiffness * (f.length() - length));
     let shear = fabric.shear * u.dot(v);
     // The stress that acts on unit weft and warp threads, times the area.
+    let area = area / compliance;
     let on_u = (along(u, fabric.stretch_weft) + v * shear) * area;
     let on_v = (along(v, fabric.stretch_warp) + u * shear) * area;
     let (f1, f2) = (on_u * m.x_axis.x + on_v * m.y_axis.x, on_u * m.x_axis.y + on_v * m.y_axis.y);
@@ -203,5 +225,63 @@ fn bend(slots: [usize; 4], rest: f32, stiffness: f32, position: &Soa3, force: &m
     ];
     for (slot, gradient) in slots.into_iter().zip(gradient) {
         force.set(slot, force.get(slot) - gradient * moment);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec2, Vec2};
+
+    use crate::constraint::{Constraints, Wear};
+    use crate::method::Method;
+    use crate::topology::{MeshSource, Resolution};
+    use crate::{Cloth, Fabric, Soa3, Topology};
+
+    /// A sheet pulled out of shape: as a rectangle, as one that is torn, as a mesh.
+    fn sheets() -> [Cloth; 3] {
+        let fabric = Fabric { shear: 0.0, ..Fabric::COTTON_POPLIN };
+        let whole = Topology::rectangle(Vec2::ONE, Resolution::Cells(UVec2::splat(6))).expect("a rectangle");
+        let positions: Vec<_> = whole.vertex_particle.iter().map(|slot| whole.rest[*slot as usize]).collect();
+        let source = MeshSource { positions: &positions, indices: &whole.triangle_vertices.concat(), uvs: &[] };
+        let mesh = Topology::from_mesh(source).expect("a mesh");
+        let plain = Fabric { bend_warp: 0.0, bend_weft: 0.0, ..fabric };
+        let mut sheets = [(whole.clone(), fabric), (whole, fabric), (mesh, plain)]
+            .map(|(topology, fabric)| Cloth::new(topology.into(), &fabric).expect("a cloth"));
+        sheets[1].remove_triangles(&[20, 21, 33]).expect("triangles");
+        for sheet in &mut sheets {
+            sheet.set_method(Method::SymplecticEuler);
+        }
+        sheets
+    }
+
+    fn forces(constraints: &Constraints, position: &Soa3) -> Soa3 {
+        let mut force = Soa3::zeros(position.len());
+        constraints.add_forces(position, &mut force);
+        force
+    }
+
+    #[test]
+    fn worn_cloth_pulls_as_new_cloth_of_its_stiffness_and_size_does() {
+        let (stiffness, rest) = (0.4, 0.8);
+        for mut sheet in sheets() {
+            let slots = sheet.particles.slots();
+            let bent = |i: usize, scale: f32| {
+                let at = sheet.topology.rest[i];
+                glam::Vec3::new(at.x * (1.1 + 0.1 * at.y), at.y * 1.05, at.x * at.x) * scale
+            };
+            let [new_shape, worn_shape] =
+                [1.0, rest].map(|scale| Soa3::from_slice(&(0..slots).map(|i| bent(i, scale)).collect::<Vec<_>>()));
+            let new = forces(&sheet.constraints, &new_shape);
+            sheet.constraints.wear(Some(Wear { stiffness: &vec![stiffness; slots], rest: &vec![rest; slots] }));
+            let worn = forces(&sheet.constraints, &worn_shape);
+            let largest = (0..slots).map(|i| new.get(i).length()).fold(0.0, f32::max);
+            assert!(largest > 1.0);
+            for i in 0..slots {
+                let difference = worn.get(i) - new.get(i) * (stiffness * rest);
+                assert!(difference.length() < 1e-4 * largest, "{i}: {difference} of {largest}");
+            }
+            sheet.constraints.wear(None);
+            assert_eq!(forces(&sheet.constraints, &new_shape), new);
+        }
     }
 }

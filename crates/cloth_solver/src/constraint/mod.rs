@@ -51,6 +51,8 @@ pub struct Constraints {
     pieces: Option<Pieces>,
     bodies: Vec<damping::Body>,
     method: Method,
+    /// How worn the fabric is, if it is.
+    worn: Option<wear::Kept>,
     /// Working memory of the methods that step forces.
     pub(crate) explicit: crate::method::explicit::Scratch,
 }
@@ -146,6 +148,7 @@ impl Constraints {
     pub(crate) fn follow(&mut self, now: &Topology, change: &Change) {
         self.pins.pins.retain(|pin| !change.gone.contains(&pin.particle));
         self.grabs.clear();
+        self.worn = None;
         let pieces = now.pieces();
         self.pieces = (pieces.triangles.len() > 1).then_some(pieces);
         match &mut self.surface {
@@ -169,8 +172,12 @@ impl Constraints {
     }
 
     /// Takes over how worn the fabric is around each particle; `None` makes it as good as new. To be told again once the
-    /// cloth was taken apart. Methods that step forces take no notice.
+    /// cloth was taken apart. The hinges of a mesh that is no grid stay as stiff as they were.
     pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        match wear {
+            Some(wear) => self.worn.get_or_insert_default().update(wear),
+            None => self.worn = None,
+        }
         match &mut self.surface {
             Surface::Grid(grid) => grid.wear(wear),
             Surface::Mesh(mesh) => mesh.triangles.wear(wear),
@@ -202,10 +209,17 @@ impl Constraints {
 
     /// Adds the forces of all energies at `position` to `force`, N.
     pub(crate) fn add_forces(&self, position: &Soa3, force: &mut Soa3) {
+        match &self.worn {
+            None => self.add_forces_in(wear::New, position, force),
+            Some(worn) => self.add_forces_in(worn.wear(), position, force),
+        }
+    }
+
+    fn add_forces_in(&self, condition: impl wear::Condition, position: &Soa3, force: &mut Soa3) {
         match &self.surface {
             Surface::Empty => {}
-            Surface::Grid(grid) => force::of_grid(grid, position, force),
-            Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(position, force)),
+            Surface::Grid(grid) => force::of_grid(grid, condition, position, force),
+            Surface::Mesh(mesh) => mesh.forces.iter().for_each(|forces| forces.add(condition, position, force)),
         }
     }
 

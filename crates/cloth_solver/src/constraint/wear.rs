@@ -98,6 +98,67 @@ pub struct Wear<'a> {
     pub rest: &'a [f32],
 }
 
+/// What forces ask of the fabric. Two kinds again, so that what is not worn pays nothing.
+pub(super) trait Condition: Copy {
+    /// The factors on the stiffness and on the rest length of the link between two slots.
+    fn of_link(self, link: [usize; 2]) -> (f32, f32);
+    /// The factor on the stiffness of a cell.
+    fn of_cell(self, corners: [usize; 4]) -> f32;
+    /// The factors on the compliance and on the rest length of a triangle.
+    fn of_triangle(self, corners: [u32; 3]) -> (f32, f32);
+}
+
+impl Condition for New {
+    fn of_link(self, _: [usize; 2]) -> (f32, f32) {
+        (1.0, 1.0)
+    }
+
+    fn of_cell(self, _: [usize; 4]) -> f32 {
+        1.0
+    }
+
+    fn of_triangle(self, _: [u32; 3]) -> (f32, f32) {
+        (1.0, 1.0)
+    }
+}
+
+impl Condition for Wear<'_> {
+    fn of_link(self, link: [usize; 2]) -> (f32, f32) {
+        let link = link.map(|slot| slot as u32);
+        (1.0 / self.compliance(link), self.rest(link))
+    }
+
+    fn of_cell(self, corners: [usize; 4]) -> f32 {
+        Wear::of_cell(&self, corners.map(|slot| slot as u32))
+    }
+
+    fn of_triangle(self, corners: [u32; 3]) -> (f32, f32) {
+        Wear::of_triangle(&self, corners)
+    }
+}
+
+/// The wear of a cloth, kept for methods that step forces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    stiffness: Vec<f32>,
+    rest: Vec<f32>,
+}
+
+impl Kept {
+    /// Takes over what became of the particles.
+    pub fn update(&mut self, wear: Wear<'_>) {
+        for (kept, told) in [(&mut self.stiffness, wear.stiffness), (&mut self.rest, wear.rest)] {
+            kept.clear();
+            kept.extend_from_slice(told);
+        }
+    }
+
+    /// As it was told.
+    pub fn wear(&self) -> Wear<'_> {
+        Wear { stiffness: &self.stiffness, rest: &self.rest }
+    }
+}
+
 impl Wear<'_> {
     /// The factor on the compliance of the link between two slots.
     pub(super) fn compliance(&self, [a, b]: [u32; 2]) -> f32 {

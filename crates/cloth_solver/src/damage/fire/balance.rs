@@ -23,9 +23,6 @@ const CONVECTION: f32 = 20.0;
 /// 2 ε σ_SB, W/(m²·K⁴), of two faces of emissivity 0.9.
 const RADIATION: f32 = 2.0 * 0.9 * 5.670_374e-8;
 
-/// Part of the mass that takes up heat to the last: what leaves no char is not without any mass before it is gone.
-pub(super) const LEAST_MASS: f32 = BURNT;
-
 /// What reaches the particles from flames, one entry per slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Exposure {
@@ -58,8 +55,11 @@ pub(super) struct Outcome {
     pub warm: bool,
     /// Whether any particle has burnt out.
     pub burnt_out: bool,
-    /// Number of particles in flames.
+    /// Number of particles in flames, and one of them.
     pub flaming: usize,
+    pub flame: Option<u32>,
+    /// Whether any is in flames, or a front is on its way.
+    pub burning: bool,
 }
 
 /// The fabric and the tick, as the balance needs them.
@@ -106,7 +106,12 @@ impl Balance {
             store(heated, &mut state.temperature, i);
             let left = self.consume(simd, state, i, heated, load(simd, &exposure.crossed, i));
             let limit = splat(simd, BURNT);
-            outcome.flaming += load(simd, &exposure.flaming, i).simd_gt(zero).to_bitmask().count_ones() as usize;
+            let flaming = load(simd, &exposure.flaming, i).simd_gt(zero).to_bitmask();
+            if flaming != 0 {
+                outcome.flaming += flaming.count_ones() as usize;
+                outcome.flame = Some(i as u32 + flaming.trailing_zeros());
+            }
+            outcome.burning |= flaming != 0 || load(simd, &exposure.front, i).simd_gt(zero).any_true();
             outcome.burnt_out |= (fuel.simd_gt(limit) & left.simd_le(limit)).any_true();
             if lit.simd_gt(zero).any_true() {
                 let slots = (i..i + LANES).filter(|slot| lit[slot - i] > 0.0);
@@ -127,7 +132,7 @@ impl Balance {
         let combustible = fuel.simd_gt(burnt);
         let was_flaming = combustible & t.simd_ge(ignition);
         let touched = was_flaming.select(one, load(simd, &exposure.reach, i));
-        let mass = load(simd, &state.mass_factor, i).max(splat(simd, LEAST_MASS));
+        let mass = load(simd, &state.mass_factor, i);
         let capacity = mass * splat(simd, self.capacity);
         let flux = splat(simd, self.fabric.heat_flux) / capacity;
 

@@ -82,6 +82,14 @@ impl Spread {
             }
         }
         self.burning.retain(|edge| self.is_burning[*edge as usize]);
+        self.count(state);
+    }
+
+    /// Tells what is in flames.
+    fn count(&self, state: &mut State) {
+        let flames = |slot: &usize| self.flames[*slot] > 0;
+        (state.flaming, state.burning) = ((0..self.flames.len()).filter(flames).count(), self.is_burning());
+        state.flame = (0..self.flames.len()).find(flames).map(|slot| slot as u32).or(state.flame);
     }
 
     /// Advances by a tick of `dt` s.
@@ -118,7 +126,7 @@ impl Spread {
         state.burnt_through.sort_unstable();
         core::mem::swap(&mut state.ignited, &mut self.lit);
         self.lit.clear();
-        state.flaming = self.flames.iter().filter(|flames| **flames > 0).count();
+        self.count(state);
         dispatch!(*LEVEL, simd => for i in (0..state.fuel.len() / LANES * LANES).step_by(LANES) {
             state.tell(simd, i, 0.0, 0.0);
         });

@@ -7,10 +7,6 @@ use glam::Vec3;
 use super::{Flammability, Surroundings};
 use crate::lanes::{Vec3x8, splat};
 
-/// Speed at which the hot gas of a flame rises in still air, m/s: √(g L) of a flame of a tenth of a metre. The wind
-/// adds to it.
-const BUOYANT_SPEED: f32 = 1.0;
-
 /// Two half ellipsoids on a burning particle: along the stream of hot gas, and against it.
 ///
 /// The heat flux falls from that of the fabric at the particle to nothing at the surface, in proportion to the way. The
@@ -32,8 +28,7 @@ pub(super) struct Flame {
 
 impl Flame {
     pub fn new(fabric: &Flammability, surroundings: &Surroundings) -> Self {
-        let stream = surroundings.up.normalize_or_zero() * BUOYANT_SPEED + surroundings.wind;
-        let axis = stream.normalize_or_zero();
+        let axis = surroundings.stream().normalize_or_zero();
         let [up, across, down] = [fabric.reach_up, fabric.reach_across, fabric.reach_down].map(|reach| 2.0 * reach);
         let extent = |length: f32| {
             let along = axis * axis;

@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::{IVec3, Vec3};
 
-use super::balance::{BOILING, Balance, Exposure, LATENT_HEAT, LEAST_MASS};
+use super::balance::{BOILING, Balance, Exposure, LATENT_HEAT};
 use super::cells::Cells;
 use super::conduct::Laplacian;
 use super::flame::Flame;
@@ -138,7 +138,8 @@ impl Heat {
         let balance = Balance::new(&self.fabric, self.areal_density, state.air, dt);
         let exposure = &mut self.exposure;
         let outcome = dispatch!(*LEVEL, simd => balance.advance(simd, state, exposure));
-        state.flaming = outcome.flaming;
+        (state.flaming, state.burning) = (outcome.flaming, outcome.burning);
+        state.flame = outcome.flame.or(state.flame);
         dispatch!(*LEVEL, simd => self.spread(simd, &flame, around.rings, state));
         self.conduct(around.topology, state, dt);
         if outcome.burnt_out {
@@ -280,7 +281,7 @@ impl Heat {
         let range = edges * self.turn / TURNS..edges * (self.turn + 1) / TURNS;
         let (temperature, mass) = (&mut state.temperature, &state.mass_factor);
         let areal = self.areal_density * self.fabric.specific_heat;
-        let capacity = |slot: usize| areal * mass[slot].max(LEAST_MASS) * topology.area[slot];
+        let capacity = |slot: usize| areal * mass[slot] * topology.area[slot];
         let conductance = self.fabric.conductivity * self.thickness;
         self.laplacian.flow(&topology.edges, range, conductance * dt * TURNS as f32, capacity, temperature);
     }
@@ -302,7 +303,7 @@ impl Heat {
 
     /// Heat capacity of the cloth at `slot`, J/(m²·K).
     fn capacity(&self, slot: usize, state: &State) -> f32 {
-        self.areal_density * self.fabric.specific_heat * state.mass_factor[slot].max(LEAST_MASS)
+        self.areal_density * self.fabric.specific_heat * state.mass_factor[slot]
     }
 }
 

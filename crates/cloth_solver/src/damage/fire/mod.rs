@@ -1,6 +1,6 @@
 //! Fire: what lights, burns, chars and is gone.
 //!
-//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. It changes no cloth: whoever
+//! [`Fire`] is the state of one cloth's fire, at one of the two levels of [`Flammable`]. By itself it changes no cloth: whoever
 //! owns the cloth reads what has become of each particle and triangle, and takes it over.
 
 mod balance;
@@ -12,8 +12,11 @@ mod flammability;
 mod heat;
 mod rings;
 mod state;
+mod surroundings;
+mod toll;
 
 pub use flammability::{Contagion, Flammability, Flammable};
+pub use surroundings::Surroundings;
 
 use glam::Vec3;
 
@@ -30,40 +33,11 @@ pub const FLAME_TEMPERATURE: f32 = 1150.0;
 /// Temperature of the air where nothing else is said, K.
 pub const ROOM_TEMPERATURE: f32 = 293.15;
 
-/// Fuel at which the flame goes out and what is left no longer holds together.
-const BURNT: f32 = 0.05;
+/// Fuel at which the flame goes out and what is left no longer holds together, a part of 1.
+pub const BURNT: f32 = 0.05;
 
 /// What is nearer than this to the temperature of the air has it, K.
 const COLD: f32 = 0.5;
-
-/// What is around a burning cloth, in the cloth's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surroundings {
-    /// Velocity of the air at the fire, m/s, up to 1e6 in amount: flames lean with it. Default 0.
-    pub wind: Vec3,
-    /// Temperature of the air, K; 150..=373. Default 293.15.
-    pub air: f32,
-    /// The direction against gravity, of any length up to 1e6; zero where there is none. Default +y.
-    pub up: Vec3,
-}
-
-impl Default for Surroundings {
-    fn default() -> Self {
-        Self { wind: Vec3::ZERO, air: ROOM_TEMPERATURE, up: Vec3::Y }
-    }
-}
-
-impl Surroundings {
-    /// Checks every field against its range.
-    ///
-    /// # Errors
-    /// The first field out of range.
-    pub fn validate(&self) -> Result<(), ClothError> {
-        ClothError::check("Surroundings::wind", self.wind.length(), 0.0..=1e6, "0..=1e6 m/s in amount")?;
-        ClothError::check("Surroundings::air", self.air, 150.0..=373.0, "150..=373 K")?;
-        ClothError::check("Surroundings::up", self.up.length(), 0.0..=1e6, "a length of 0..=1e6")
-    }
-}
 
 /// How far a particle has burnt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -85,6 +59,8 @@ pub enum Stage {
 #[derive(Clone, Debug)]
 pub struct Fire {
     state: State,
+    /// kg/m².
+    areal_density: f32,
     rings: Rings,
     level: Level,
 }
@@ -106,6 +82,7 @@ impl Fire {
         let rings = Rings::new(topology);
         Ok(Self {
             state: State::new(topology),
+            areal_density: fabric.areal_density,
             level: match flammable {
                 Flammable::Heat(rule) => Level::Heat(Box::new(Heat::new(topology, &rings, fabric, rule))),
                 Flammable::Contagion(rule) => Level::Contagion(Box::new(Spread::new(topology, &rings, rule))),
@@ -122,12 +99,17 @@ impl Fire {
     pub fn set(&mut self, topology: &Topology, fabric: &Fabric, flammable: &Flammable) -> Result<(), ClothError> {
         fabric.validate()?;
         flammable.validate()?;
+        self.areal_density = fabric.areal_density;
         match (&mut self.level, flammable) {
             (Level::Heat(heat), Flammable::Heat(rule)) => heat.set(fabric, rule),
             (Level::Contagion(spread), Flammable::Contagion(rule)) if spread.rule.seed == rule.seed => {
                 spread.rule = *rule;
             }
-            _ => *self = Self::new(topology, fabric, flammable)?,
+            _ => {
+                let taken = core::mem::take(&mut self.state.taken);
+                *self = Self::new(topology, fabric, flammable)?;
+                self.state.taken = taken;
+            }
         }
         Ok(())
     }
@@ -200,7 +182,7 @@ impl Fire {
         state.burnt_through.clear();
         if dt > 0.0 {
             state.set_air(surroundings.air);
-            state.flaming = 0;
+            (state.flaming, state.burning) = (0, false);
             match &mut self.level {
                 Level::Heat(heat) => {
                     heat.burn(&Around { topology, particles, rings: &self.rings, surroundings }, state, dt);
@@ -275,7 +257,7 @@ impl Fire {
         &self.state.rest_scale
     }
 
-    /// What is left of the mass of the dry cloth, 1 to that of its char.
+    /// What is left of the mass of the dry cloth, 1 to that of its char, and 0.05 or more.
     pub fn mass_factor(&self) -> &[f32] {
         &self.state.mass_factor
     }
@@ -320,6 +302,21 @@ impl Fire {
     /// Number of particles in flames at the end of the last tick.
     pub fn flaming(&self) -> usize {
         self.state.flaming
+    }
+
+    /// Whether anything was in flames at the end of the last tick, or a front of fire on its way.
+    pub fn is_burning(&self) -> bool {
+        self.state.burning
+    }
+
+    /// A particle in flames at the end of the last tick; if there is none, one of the last that were.
+    pub fn flame(&self) -> Option<u32> {
+        self.state.flame
+    }
+
+    /// Whether any particle could still light.
+    pub fn has_fuel(&self) -> bool {
+        (0..self.state.fuel.len()).any(|slot| self.state.combustible(slot))
     }
 }
 

@@ -12,6 +12,9 @@ use super::{BURNT, COLD, ROOM_TEMPERATURE};
 /// Part of its stiffness that charred cloth keeps: threads of char still hang together.
 const CHAR_STIFFNESS: f32 = 0.01;
 
+/// Part of its mass that cloth has to the last: what leaves no char is not without any before it is gone.
+const LEAST_MASS: f32 = BURNT;
+
 /// Arrays per slot, and per triangle where said.
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
@@ -28,6 +31,8 @@ pub(super) struct State {
     pub stiffness: Vec<f32>,
     pub rest_scale: Vec<f32>,
     pub mass_factor: Vec<f32>,
+    /// Part of its mass that each particle was already relieved of.
+    pub taken: Vec<f32>,
     /// Triangles that are still there around each particle.
     pub left: Vec<u32>,
     /// Whether each triangle is gone.
@@ -38,6 +43,10 @@ pub(super) struct State {
     pub burnt_through: Vec<u32>,
     /// Number of particles in flames after the last tick.
     pub flaming: usize,
+    /// Whether anything is in flames, or a front of fire is on its way.
+    pub burning: bool,
+    /// One of the last particles that were seen in flames.
+    pub flame: Option<u32>,
     /// Temperature of the air, K.
     pub air: f32,
 }
@@ -54,11 +63,14 @@ impl State {
             stiffness: vec![1.0; slots],
             rest_scale: vec![1.0; slots],
             mass_factor: vec![1.0; slots],
+            taken: vec![0.0; slots],
             through: vec![false; topology.triangles.len()],
             ignited: Vec::with_capacity(slots),
             burnt_through: Vec::with_capacity(topology.triangles.len()),
             left: Vec::new(),
             flaming: 0,
+            burning: false,
+            flame: None,
             air: ROOM_TEMPERATURE,
         };
         state.count_left(topology);
@@ -74,7 +86,7 @@ impl State {
         store(one - fuel, &mut self.char, i);
         store((fuel * fuel).max(splat(simd, CHAR_STIFFNESS)), &mut self.stiffness, i);
         store(one - scorch * splat(simd, shrinkage), &mut self.rest_scale, i);
-        store(char + (one - char) * fuel, &mut self.mass_factor, i);
+        store((char + (one - char) * fuel).max(splat(simd, LEAST_MASS)), &mut self.mass_factor, i);
     }
 
     /// Whether `slot` is a particle that can burn: it has fuel, and cloth around it.
@@ -103,10 +115,9 @@ impl State {
 
     /// Follows a change of topology.
     pub fn follow(&mut self, topology: &Topology, change: &Change) {
-        let Self { temperature, fuel, moisture, scorch, char, stiffness, rest_scale, mass_factor, .. } = self;
-        let arrays =
-            [(temperature, self.air), (fuel, 1.0), (moisture, 0.0), (scorch, 0.0), (char, 0.0), (stiffness, 1.0)];
-        for (array, new) in arrays.into_iter().chain([(rest_scale, 1.0), (mass_factor, 1.0)]) {
+        let Self { temperature, fuel, moisture, scorch, char, stiffness, rest_scale, mass_factor, taken, .. } = self;
+        let arrays = [(temperature, self.air), (fuel, 1.0), (moisture, 0.0), (scorch, 0.0), (char, 0.0), (taken, 0.0)];
+        for (array, new) in arrays.into_iter().chain([(stiffness, 1.0), (rest_scale, 1.0), (mass_factor, 1.0)]) {
             extend(array, new, change);
         }
         for slot in change.gone.iter().map(|slot| *slot as usize) {

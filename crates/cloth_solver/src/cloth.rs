@@ -96,7 +96,7 @@ impl Cloth {
     /// Cuts it from the last ray of `stroke` to another one: near and far end, m. `None` if that crosses nothing.
     pub fn sweep(&mut self, stroke: &mut Stroke, to: [Vec3; 2]) -> Option<Cut> {
         let before = self.topology.clone();
-        let cut = stroke.sweep(Arc::make_mut(&mut self.topology), &self.particles.position, to);
+        let cut = stroke.sweep(&mut self.topology, &self.particles.position, to);
         self.follow(&before, cut.as_ref().map(|cut| &cut.change));
         cut
     }

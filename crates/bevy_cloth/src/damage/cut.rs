@@ -1,7 +1,5 @@
 //! Cutting: a blade swept between two rays.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
 use cloth_solver::damage::Stroke;
 use cloth_solver::topology::Change;
@@ -66,9 +64,9 @@ impl WholeItem<'_, '_> {
         let ends = |ray: Ray3d| [ray.origin, ray.get_point(reach)].map(|point| self.frame.to_local(point));
         let (from, to) = (ends(from), ends(to));
         let mut stroke = stroke.unwrap_or_else(|| Stroke::new(from, &self.particles.position));
-        let mut now = (*self.topology.0).clone();
+        let mut now = self.topology.0.clone();
         if let Some(cut) = stroke.sweep(&mut now, &self.particles.position, to) {
-            self.become_(Arc::new(now), &cut.change, commands);
+            self.become_(now, &cut.change, commands);
             let (entity, position) = (self.entity, self.place(cut.at));
             report(commands, ClothCut { entity, particle: cut.at, position, edges: cut.edges as u32 });
         }

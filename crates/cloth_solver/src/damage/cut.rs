@@ -3,6 +3,8 @@
 //! Triangles are divided where the blade meets their edges, but for crossings so near to a particle that the line is led
 //! through it. Then every particle on the line is parted into what lies on either side.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use super::line::{Line, Seen, pierces};
@@ -33,7 +35,10 @@ pub struct Cut {
 ///
 /// Nothing changes where nothing is crossed: the same blade again does nothing. `None` if it crossed nothing.
 pub fn cut(topology: &mut Topology, position: &Soa3, blade: &Blade) -> Option<Cut> {
-    Stroke::new(blade.from, position).sweep(topology, position, blade.to)
+    let mut whole = Arc::new(std::mem::take(topology));
+    let cut = Stroke::new(blade.from, position).sweep(&mut whole, position, blade.to);
+    *topology = Arc::unwrap_or_clone(whole);
+    cut
 }
 
 /// A stroke of many blades, each from where the one before left off, through a cloth that moves meanwhile: the line is
@@ -56,16 +61,20 @@ impl Stroke {
 
     /// Cuts `topology`, whose particles stand at `position` by now, from the last ray on to the ray `to`. `None` if nothing is
     /// crossed. What it cuts, the stroke itself has followed.
-    pub fn sweep(&mut self, topology: &mut Topology, position: &Soa3, to: [Vec3; 2]) -> Option<Cut> {
-        let line = Line::new(topology, [&self.position, position], [self.ray, to]).map(|mut line| {
+    pub fn sweep(&mut self, topology: &mut Arc<Topology>, position: &Soa3, to: [Vec3; 2]) -> Option<Cut> {
+        let drawn = Line::new(topology, [&self.position, position], [self.ray, to]).map(|mut line| {
             line.hold(&self.tips);
             line.snap();
             (line.crossings(), line.seen, line.on)
         });
         self.ray = to;
         self.position.clone_from(position);
-        let (crossings, seen, mut on) = line?;
-        let change = part(topology, &crossings, seen, &mut on);
+        let (crossings, seen, mut on) = drawn?;
+        if crossings.is_empty() && !on.contains(&true) {
+            self.tips.clear();
+            return None;
+        }
+        let change = part(Arc::make_mut(topology), &crossings, seen, &mut on);
         change.iter().for_each(|change| self.position.follow(change));
         // Also if nothing was parted: a line that ends at the first particle it is led through goes on from there.
         let is_on = |slot: &u32| on.get(*slot as usize).is_some_and(|on| *on);
@@ -94,9 +103,8 @@ fn part(topology: &mut Topology, crossings: &[Crossing], mut seen: Seen, on: &mu
     for slot in &born {
         on[*slot as usize] = true;
     }
-    let triangles = surgery.topology().triangles.clone();
-    let between = |a: u32, b: u32| {
-        let (first, second) = (triangles[a as usize], triangles[b as usize]);
+    let between = |topology: &Topology, a: u32, b: u32| {
+        let (first, second) = (topology.triangles[a as usize], topology.triangles[b as usize]);
         let is_shared = |slot: &u32| first.contains(slot) && second.contains(slot);
         first.iter().filter(|slot| is_shared(slot) && on[**slot as usize]).count() == 2
             && [first, second].into_iter().all(|corners| runs_along(corners, is_shared, &seen, on))

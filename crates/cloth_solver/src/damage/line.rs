@@ -78,6 +78,9 @@ pub(super) struct Line<'a> {
     reach: f32,
     /// For each slot whether the line goes through it.
     pub on: Vec<bool>,
+    /// The edges and triangles that do not stay on one side of the ray: the few that it may meet.
+    edges: Vec<[u32; 2]>,
+    triangles: Vec<usize>,
 }
 
 impl<'a> Line<'a> {
@@ -104,7 +107,18 @@ impl<'a> Line<'a> {
         let seen = Seen { first: seen(0), last: seen(1) };
         let reach = rays[0][0].distance(rays[0][1]).max(rays[1][0].distance(rays[1][1]));
         let on = vec![false; topology.slots()];
-        let mut line = Self { topology, ray: rays[0], position, seen, reach, on };
+        let side = |slot: &u32| {
+            let (first, last) = seen.of(*slot);
+            i8::from(first.y > 0.0 && last.y > 0.0) - i8::from(first.y < 0.0 && last.y < 0.0)
+        };
+        let sides: Vec<i8> = (0..topology.slots() as u32).map(|slot| side(&slot)).collect();
+        let may_meet = |slots: &[u32]| {
+            let first = sides[slots[0] as usize];
+            first == 0 || slots.iter().any(|slot| sides[*slot as usize] != first)
+        };
+        let edges = topology.edges.iter().copied().filter(|edge| may_meet(edge)).collect();
+        let triangles = (0..topology.triangles.len()).filter(|at| may_meet(&topology.triangles[*at])).collect();
+        let mut line = Self { topology, ray: rays[0], position, seen, reach, on, edges, triangles };
         for slot in topology.particles() {
             line.on[slot as usize] = line.is_met(slot);
         }
@@ -128,6 +142,9 @@ impl<'a> Line<'a> {
     /// Leads the line through those of `tips` that have a triangle which the first ray pierces.
     pub fn hold(&mut self, tips: &[u32]) {
         let at = |slot: u32| self.position[0].get(slot as usize);
+        if tips.is_empty() {
+            return;
+        }
         for corners in &self.topology.triangles {
             let held = corners.iter().filter(|slot| tips.contains(slot));
             if held.clone().next().is_some() && pierces(self.ray, corners.map(at)) {
@@ -140,10 +157,7 @@ impl<'a> Line<'a> {
     fn crossing(&self, [a, b]: [u32; 2]) -> Option<f32> {
         let (a, b) = (a as usize, b as usize);
         let Seen { first, last } = &self.seen;
-        let seen = [first[a], first[b], last[a], last[b]];
-        // What stays on one side, or has not yet been reached, is not met: nearly all there is.
-        let one_side = |of: fn(Vec3) -> f32| seen.iter().all(|s| of(*s) > 0.0) || seen.iter().all(|s| of(*s) < 0.0);
-        if self.on[a] || self.on[b] || one_side(|s| s.y) {
+        if self.on[a] || self.on[b] {
             return None;
         }
         meet([first[a].xy(), first[b].xy()], [last[a].xy(), last[b].xy()]).into_iter().flatten().find_map(|time| {
@@ -156,8 +170,9 @@ impl<'a> Line<'a> {
 
     /// Leads the line through the particles it comes near.
     pub fn snap(&mut self) {
-        for edge in &self.topology.edges {
-            match self.crossing(*edge) {
+        for at in 0..self.edges.len() {
+            let edge = self.edges[at];
+            match self.crossing(edge) {
                 Some(t) if t < SNAP => self.on[edge[0] as usize] = true,
                 Some(t) if t > 1.0 - SNAP => self.on[edge[1] as usize] = true,
                 _ => {}
@@ -174,7 +189,8 @@ impl<'a> Line<'a> {
     /// Leads the line through the nearest particle of every triangle that it would cut a part from that is too small.
     fn snap_slivers(&mut self, smallest: f32) -> bool {
         let mut snapped = false;
-        for (corners, rest) in self.topology.triangles.iter().zip(&self.topology.triangle_rest) {
+        for at in &self.triangles {
+            let (corners, rest) = (self.topology.triangles[*at], self.topology.triangle_rest[*at]);
             let crossed: [Option<f32>; 3] =
                 [0, 1, 2].map(|side| self.crossing([corners[side], corners[(side + 1) % 3]]));
             let area = 0.5 * rest.determinant();
@@ -202,10 +218,12 @@ impl<'a> Line<'a> {
         snapped
     }
 
-    /// Where the line crosses edges.
+    /// Where the line crosses edges, sorted by edge.
     pub fn crossings(&self) -> Vec<Crossing> {
-        let edges = self.topology.edges.iter();
-        edges.filter_map(|edge| self.crossing(*edge).map(|t| Crossing { edge: *edge, t })).collect()
+        let crossing = |edge: &[u32; 2]| self.crossing(*edge).map(|t| Crossing { edge: *edge, t });
+        let mut crossings: Vec<Crossing> = self.edges.iter().filter_map(crossing).collect();
+        crossings.sort_unstable_by_key(|crossing| crossing.edge);
+        crossings
     }
 }
 

@@ -218,6 +218,6 @@ fn split(surgery: &mut Surgery, particle: u32, along: Along) -> Option<Vec<u32>>
     };
     let ends: Vec<u32> = corners(true).filter(|slot| corners(false).any(|other| other == *slot)).collect();
     let of = |triangle: u32| sides.iter().find(|(known, _)| *known == triangle).map(|(_, after)| *after);
-    surgery.part_all(vec![particle], |a, b| of(a) != of(b));
+    surgery.part_all(vec![particle], |_, a, b| of(a) != of(b));
     Some(ends)
 }

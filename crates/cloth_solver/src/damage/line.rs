@@ -118,17 +118,7 @@ impl<'a> Line<'a> {
         };
         let edges = topology.edges.iter().copied().filter(|edge| may_meet(edge)).collect();
         let triangles = (0..topology.triangles.len()).filter(|at| may_meet(&topology.triangles[*at])).collect();
-        let mut line = Self { topology, ray: rays[0], position, seen, reach, on, edges, triangles };
-        for slot in topology.particles() {
-            line.on[slot as usize] = line.is_met(slot);
-        }
-        Some(line)
-    }
-
-    /// Whether the ray meets a particle exactly.
-    fn is_met(&self, slot: u32) -> bool {
-        let (first, last) = self.seen.of(slot);
-        first.y == 0.0 && last.y == 0.0 && self.is_within(first, last, when(first.x, last.x))
+        Some(Self { topology, ray: rays[0], position, seen, reach, on, edges, triangles })
     }
 
     /// Whether a point seen there first and last is met at the time `t`: between both, 0..=1, and not beyond either end.
@@ -162,9 +152,12 @@ impl<'a> Line<'a> {
         }
         meet([first[a].xy(), first[b].xy()], [last[a].xy(), last[b].xy()]).into_iter().flatten().find_map(|time| {
             let [from, to] = [a, b].map(|i| first[i].lerp(last[i], time));
-            let t = from.xy().length() / (from.xy().length() + to.xy().length());
+            let (before, after) = (from.xy().length(), to.xy().length());
+            let t = before / (before + after);
+            // An end that is met is so within rounding, on this side or that.
+            let is_between = from.xy().dot(to.xy()) <= 0.0 || before.min(after) <= ROUNDING * from.z;
             let met = self.is_within(first[a].lerp(first[b], t), last[a].lerp(last[b], t), time);
-            (met && from.xy().dot(to.xy()) < 0.0 && 0.0 < t && t < 1.0).then_some(t)
+            (met && is_between).then_some(t)
         })
     }
 

@@ -9,7 +9,7 @@ use cloth_solver::damage::{Direction, Stroke, Tear, Tearing};
 use cloth_solver::{Cloth, Fabric, Method, Tick, measure};
 use common::damage::*;
 use common::*;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
 #[test]
@@ -333,6 +333,26 @@ fn a_tear_runs_on_until_the_sheet_is_in_two() {
     assert!((mass(&cloth) / old_mass - 1.0).abs() < 1e-5 && (area(&cloth.topology) / old_area - 1.0).abs() < 1e-5);
     let below = cloth.particles.position.y[grid.slot(15, 7) as usize];
     assert!(below < -1.0, "the lower half falls: {below} m");
+}
+
+#[test]
+fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
+    for mesh in [false, true] {
+        for fallen in [100.0, 3000.0, 1e5] {
+            let sheet = rectangle(0.5, 0.5, 24, 24, &Fabric::COTTON_POPLIN);
+            let mut cloth = if mesh { as_mesh(&sheet, &Fabric::COTTON_POPLIN) } else { sheet };
+            place(&mut cloth, Quat::from_rotation_x(0.3), Vec3::new(0.4, -fallen, 0.2));
+            cloth.particles.velocity.fill(Vec3::NEG_Y * (2.0 * 9.81 * fallen).sqrt());
+            let mut tear = Tear::new(&cloth.topology, Vec::new());
+            let tearing = Tearing { strength: 120.0, splits: 4, weakening: 0.5 };
+            for tick in 0..90 {
+                cloth.step(TICK, GRAVITY);
+                tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+                let torn = cloth.tear(&mut tear, &tearing).is_some();
+                assert!(!torn, "torn after {fallen} m, mesh: {mesh}, tick {tick}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -8,10 +8,14 @@ use std::sync::Arc;
 
 use crate::constraint::{Constraints, Tensions};
 use crate::topology::{Along, Change, Surgery};
-use crate::{ClothError, Particles, Topology};
+use crate::{ClothError, Particles, Soa3, Topology};
 
 /// Time over which loads are smoothed, s: about three ticks of 1/60 s, so that no single jolt tears.
 const SMOOTHING: f32 = 0.05;
+
+/// A particle farther than this from the origin of its cloth's frame, in mean edges, tears no more: single precision does not
+/// know the length of an edge there to better than a thousandth (2⁻²³ · 2¹³), and what it makes of that is no load.
+const KNOWN: f32 = 8192.0;
 
 /// How a cloth tears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +65,8 @@ pub struct Tear {
     load: [Vec<f32>; 2],
     /// Factor on the strength of each slot.
     weak: Vec<f32>,
+    /// Distance from the frame's origin up to which loads are known, m.
+    reach: f32,
     tensions: Tensions,
     overloaded: Vec<(u32, Along, f32)>,
 }
@@ -71,7 +77,10 @@ impl Tear {
         let slots = topology.slots();
         let mut weak = painted;
         weak.resize(slots, 1.0);
-        Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, ..Self::default() }
+        let rest = |slot: u32| topology.rest[slot as usize];
+        let total: f32 = topology.edges.iter().map(|[a, b]| rest(*a).distance(rest(*b))).sum();
+        let reach = KNOWN * total / topology.edges.len().max(1) as f32;
+        Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, reach, ..Self::default() }
     }
 
     /// Number of slots it knows.
@@ -109,10 +118,13 @@ impl Tear {
         dt: f32,
     ) {
         constraints.tensions(topology, particles, h, &mut self.tensions);
-        let fresh = dt / (SMOOTHING + dt);
+        let (fresh, farthest) = (dt / (SMOOTHING + dt), self.reach * self.reach);
+        let Soa3 { x, y, z } = &particles.position;
         for (load, sums) in self.load.iter_mut().zip(self.tensions.along()) {
-            for ((load, tension), weight) in load.iter_mut().zip(&sums.tension).zip(&sums.weight) {
-                let now = if *weight > 0.0 { tension / weight } else { 0.0 };
+            let sums = sums.tension.iter().zip(&sums.weight);
+            for ((load, (tension, weight)), ((x, y), z)) in load.iter_mut().zip(sums).zip(x.iter().zip(y).zip(z)) {
+                let is_known = (*weight > 0.0) & (x * x + y * y + z * z < farthest);
+                let now = if is_known { tension / weight } else { 0.0 };
                 *load += (now - *load) * fresh;
             }
         }

@@ -336,6 +336,69 @@ fn a_tear_runs_on_until_the_sheet_is_in_two() {
 }
 
 #[test]
+fn what_a_crack_points_at_is_weak_and_what_it_has_passed_is_as_strong_as_it_was() {
+    let mut cloth = rectangle(0.3, 0.3, 15, 15, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    pin_top(&mut cloth, 0..=15);
+    let grid = cloth.topology.grid.unwrap();
+    let painted: Vec<f32> = (0..cloth.topology.slots()).map(|slot| if slot % 2 == 0 { 0.8 } else { 0.6 }).collect();
+    let mut tear = Tear::new(&cloth.topology, painted.clone());
+    let tearing = Tearing { strength: 400.0, splits: 1, weakening: 0.5 };
+    let mut splits = 0;
+    for _ in 0..240 {
+        // A hand's breadth of the lower edge is pulled.
+        for column in 5..=10 {
+            cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 20.0);
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        let Some(torn) = cloth.tear(&mut tear, &tearing) else { continue };
+        let parted = torn.splits[0].particle;
+        let copy = torn.change.born[0];
+        for slot in [parted, copy.slot] {
+            let ancestor = if slot == copy.slot { copy.parents[0] } else { slot };
+            if let Some(painted) = painted.get(ancestor as usize) {
+                assert_eq!(tear.strength(slot as usize), *painted, "the lip of a crack");
+            }
+        }
+        let weakened = (painted.iter().enumerate()).filter(|(slot, painted)| tear.strength(*slot) == **painted * 0.5);
+        assert!(weakened.count() > 0, "the tips of a crack");
+        splits += 1;
+    }
+    assert!(splits > 5, "{splits} particles parted");
+}
+
+#[test]
+fn a_hand_that_pulls_at_the_middle_of_a_curtain_rips_it_right_across() {
+    let mut cloth = rectangle(1.0, 1.0, 32, 32, &Fabric::COTTON_POPLIN);
+    pin_top(&mut cloth, 0..=32);
+    // Two hundredths of what poplin bears, as a game would have it.
+    let tearing = Tearing { strength: 240.0, splits: 4, weakening: 0.5 };
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let middle =
+        |corners: &[u32; 3]| corners.iter().map(|slot| cloth.topology.rest[*slot as usize]).sum::<Vec3>() / 3.0;
+    let off = |at: &usize| middle(&cloth.topology.triangles[*at]).length();
+    let mut held = (0..cloth.topology.triangles.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+    let mut from = middle(&cloth.topology.triangles[held]);
+    for _ in 0..90 {
+        let to = from + Vec3::new(0.0, -1.2, 0.36) * TICK.dt;
+        let particles = cloth.topology.triangles[held];
+        let grab = Grab { particles, weights: [1.0 / 3.0; 3], from, to, stiffness: 200.0, max_force: 20.0 };
+        cloth.constraints.grabs = vec![grab];
+        cloth.step(TICK, GRAVITY);
+        from = to;
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        if let Some(torn) = cloth.tear(&mut tear, &tearing) {
+            held = torn.change.triangles.iter().position(|source| *source == held as u32).unwrap();
+        }
+    }
+    let pieces = cloth.topology.pieces();
+    let in_hand = pieces.of_slot[cloth.topology.triangles[held][0] as usize];
+    let count = pieces.triangles[in_hand as usize];
+    assert!(pieces.triangles.len() > 1 && count > 200, "a piece of {count} triangles is in the hand");
+}
+
+#[test]
 fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
     for mesh in [false, true] {
         for fallen in [100.0, 3000.0, 1e5] {

@@ -2,7 +2,8 @@
 //!
 //! The load of a particle along weft and along warp is the tension of its links, per width of fabric, smoothed over a few
 //! ticks. The crack runs along warp or weft, between cells, and weakens the particles it points at: a tear runs on rather
-//! than begin anew beside (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide).
+//! than begin anew beside. Those it has passed are as strong as before, or a hand would rip out of a crack's weak lips no more
+//! than what it holds (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide).
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ pub struct Tearing {
     pub strength: f32,
     /// Most particles that part in a tick, 1..=1000.
     pub splits: u32,
-    /// Factor on the strength of the particles that a crack points at, 0..=1; 0.2–0.6 lets a tear run on.
+    /// Factor on the strength of the particles that a crack points at, until it has passed; 0..=1. 0.2–0.6 lets a tear run on.
     pub weakening: f32,
 }
 
@@ -63,7 +64,8 @@ pub struct Torn {
 pub struct Tear {
     /// Smoothed tension along weft and warp at each slot, N/m.
     load: [Vec<f32>; 2],
-    /// Factor on the strength of each slot.
+    /// Factor on the strength of each slot, as painted, and as it is now: weaker where a crack points at it.
+    painted: Vec<f32>,
     weak: Vec<f32>,
     /// Distance from the frame's origin up to which loads are known, m.
     reach: f32,
@@ -75,12 +77,13 @@ impl Tear {
     /// Nothing loaded. `painted` is a factor on the strength of each slot, or empty.
     pub fn new(topology: &Topology, painted: Vec<f32>) -> Self {
         let slots = topology.slots();
-        let mut weak = painted;
-        weak.resize(slots, 1.0);
+        let mut painted = painted;
+        painted.resize(slots, 1.0);
         let rest = |slot: u32| topology.rest[slot as usize];
         let total: f32 = topology.edges.iter().map(|[a, b]| rest(*a).distance(rest(*b))).sum();
         let reach = KNOWN * total / topology.edges.len().max(1) as f32;
-        Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, reach, ..Self::default() }
+        let load = [vec![0.0; slots], vec![0.0; slots]];
+        Self { load, weak: painted.clone(), painted, reach, ..Self::default() }
     }
 
     /// Number of slots it knows.
@@ -100,7 +103,7 @@ impl Tear {
 
     /// Takes over what was cut or burnt.
     pub fn follow(&mut self, change: &Change) {
-        for numbers in self.load.iter_mut().chain([&mut self.weak]) {
+        for numbers in self.load.iter_mut().chain([&mut self.painted, &mut self.weak]) {
             numbers.resize(change.slots, 0.0);
             for born in &change.born {
                 numbers[born.slot as usize] = born.blend(|slot| numbers[slot]);
@@ -139,18 +142,19 @@ impl Tear {
             return None;
         }
         let mut surgery = Surgery::new(Arc::make_mut(topology));
-        let (mut splits, weak) = (Vec::new(), &mut self.weak);
+        let mut splits = Vec::new();
         for &(particle, along, overload) in &self.overloaded {
             if splits.len() as u32 >= tearing.splits {
                 break;
             }
             if let Some(ends) = split(&mut surgery, particle, along) {
                 splits.push(Split { particle, overload });
-                // A particle born in this very tick is not known yet.
+                // The crack has passed: its lips are as strong as any edge. What it points at now is weak, if it was not born in
+                // this very tick.
+                self.weak[particle as usize] = self.painted[particle as usize];
                 for slot in ends {
-                    if let Some(weak) = weak.get_mut(slot as usize) {
-                        *weak = weak.min(tearing.weakening);
-                    }
+                    let known = self.weak.get_mut(slot as usize).zip(self.painted.get(slot as usize));
+                    known.into_iter().for_each(|(weak, painted)| *weak = painted * tearing.weakening);
                 }
             }
         }

@@ -2,8 +2,8 @@
 //!
 //! The load of a particle along weft and along warp is the tension of its links, per width of fabric, smoothed over a few
 //! ticks. The crack runs along warp or weft, between cells, and weakens the particles it points at: a tear runs on rather
-//! than begin anew beside. Those it has passed are as strong as before, or a hand would rip out of a crack's weak lips no more
-//! than what it holds (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide).
+//! than begin anew beside (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide). What it
+//! has passed is as strong as before: out of weak lips a hand would rip no more than what it holds.
 
 use std::sync::Arc;
 

@@ -196,6 +196,31 @@ fn a_right_drag_across_cuts_in_two_also_in_one_frame_and_while_time_stands() {
 }
 
 #[test]
+fn a_right_drag_leaves_no_neck_in_a_curtain_that_swings_away() {
+    const MOVE: PointerAction = PointerAction::Move { delta: Vec2::ZERO };
+    let mut app = with_pointer();
+    let cloth = hung(&mut app);
+    for (slot, rest) in get::<ClothTopology>(&app, cloth).rest.clone().into_iter().enumerate() {
+        let velocity = (0.5 - rest.y) * Vec3::new(2.0, 0.0, -1.5);
+        app.world_mut().get_mut::<Particles>(cloth).unwrap().velocity.set(slot, velocity);
+    }
+    send(&mut app, [20.0, 300.0], MOVE);
+    app.update();
+    send(&mut app, [20.0, 300.0], PointerAction::Press(PointerButton::Secondary));
+    for frame in 1..=25 {
+        send(&mut app, [20.0 + 30.4 * frame as f32, 310.0], MOVE);
+        app.update();
+        // The slit is followed also where something else takes the cloth apart meanwhile.
+        let tear = TearCloth { entity: cloth, position: Vec3::new(0.1, 0.4, 0.0), pull: Direction::Weft };
+        app.world_mut().trigger(tear);
+    }
+    send(&mut app, [780.0, 310.0], PointerAction::Release(PointerButton::Secondary));
+    run(&mut app, 64);
+    let fallen = world_positions(&app, cloth).iter().filter(|p| p.y < -2.0).count();
+    assert!(fallen > 100, "{fallen} particles fell: the lower part hangs by a neck");
+}
+
+#[test]
 fn a_left_drag_rips_a_tearable_cloth() {
     const MOVE: PointerAction = PointerAction::Move { delta: Vec2::ZERO };
     let mut app = with_pointer();

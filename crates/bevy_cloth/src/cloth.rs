@@ -142,6 +142,8 @@ impl ClothFrame {
 pub struct ClothHistory {
     /// Position of each slot at the start of the last tick, m.
     pub position: Soa3,
+    /// Where it was when the blades of strokes last passed.
+    pub(crate) strokes: crate::damage::Strokes,
 }
 
 /// Why a cloth is out of the simulation at present. Read-only; it goes when the data is mended.

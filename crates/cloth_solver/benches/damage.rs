@@ -58,12 +58,12 @@ fn damage(criterion: &mut Criterion) {
     };
     group.bench_function("torn", |bencher| bencher.iter_batched_ref(|| cloth.clone(), torn, BatchSize::LargeInput));
     let cut = |cloth: &mut Cloth| {
-        cloth.cut(&slit(0.1), &[]);
+        cloth.cut(&slit(0.1));
         cloth.step(TICK, GRAVITY);
     };
     group.bench_function("cut", |bencher| bencher.iter_batched_ref(|| cloth.clone(), cut, BatchSize::LargeInput));
     for i in 0..10 {
-        cloth.cut(&slit(-0.46 + 0.1 * i as f32), &[]);
+        cloth.cut(&slit(-0.46 + 0.1 * i as f32));
     }
     group.bench_function("after", |bencher| bencher.iter(|| cloth.step(black_box(TICK), GRAVITY)));
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::contact::Contacts;
 use crate::damage::fire::{Fire, Surroundings};
-use crate::damage::{self, Blade, Cut, Direction, Tear, Tearing, Torn};
+use crate::damage::{self, Blade, Cut, Direction, Stroke, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
 use crate::topology::Change;
@@ -89,10 +89,15 @@ impl Cloth {
         self.particles.load.fill(0.0);
     }
 
-    /// Cuts it with `blade`; `tips` are those of the stroke so far. `None` if the blade crosses nothing.
-    pub fn cut(&mut self, blade: &Blade, tips: &[u32]) -> Option<Cut> {
+    /// Cuts it with `blade`. `None` if that crosses nothing.
+    pub fn cut(&mut self, blade: &Blade) -> Option<Cut> {
+        self.sweep(&mut Stroke::new(blade.from, &self.particles.position), blade.to)
+    }
+
+    /// Cuts it from the last ray of `stroke` to another one: near and far end, m. `None` if that crosses nothing.
+    pub fn sweep(&mut self, stroke: &mut Stroke, to: [Vec3; 2]) -> Option<Cut> {
         let before = self.topology.clone();
-        let cut = damage::cut(Arc::make_mut(&mut self.topology), &self.particles.position, blade, tips);
+        let cut = stroke.sweep(&mut self.topology, &self.particles.position, to);
         self.follow(&before, cut.as_ref().map(|cut| &cut.change));
         cut
     }

@@ -167,7 +167,7 @@ fn lines(topology: &Topology) -> impl Iterator<Item = Line> {
     let spacing = topology.grid.map_or(glam::DVec2::ONE, |grid| grid.spacing.as_dvec2());
     [(Along::Weft, spacing.x, spacing.y), (Along::Warp, spacing.y, spacing.x)].into_iter().flat_map(
         move |(along, spacing, across)| {
-            threads(topology, along).into_iter().map(move |thread| Line { along, spacing, across, thread })
+            threads(topology, along, |_| true).into_iter().map(move |thread| Line { along, spacing, across, thread })
         },
     )
 }

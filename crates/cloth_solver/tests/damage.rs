@@ -1,93 +1,29 @@
-//! Cloth that is cut, torn and burnt through: what must hold of its triangles, mass and motion.
+//! Cloth that is cut, and burnt through: what must hold of its triangles, mass and motion.
 
 mod common;
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
-use cloth_solver::constraint::Grab;
-use cloth_solver::damage::{Blade, Direction, Tear, Tearing};
-use cloth_solver::topology::MeshSource;
-use cloth_solver::{Cloth, Fabric, Method, Tick, Topology, measure};
+use cloth_solver::damage::Stroke;
+use cloth_solver::{Cloth, Fabric, Method, Tick, measure};
+use common::damage::*;
 use common::*;
 use glam::Vec3;
 use proptest::prelude::*;
 
-/// A blade that sweeps straight down −z over the sheet, from above `from` to above `to`.
-fn blade(from: [f32; 2], to: [f32; 2]) -> Blade {
-    let ray = |[x, y]: [f32; 2]| [Vec3::new(x, y, 1.0), Vec3::new(x, y, -1.0)];
-    Blade { from: ray(from), to: ray(to) }
-}
-
-/// The same sheet without rows and columns.
-fn as_mesh(sheet: &Cloth, fabric: &Fabric) -> Cloth {
-    let topology = &sheet.topology;
-    let positions: Vec<Vec3> = topology.vertex_particle.iter().map(|slot| topology.rest[*slot as usize]).collect();
-    let indices: Vec<u32> = topology.triangle_vertices.iter().flatten().copied().collect();
-    let mesh = Topology::from_mesh(MeshSource { positions: &positions, uvs: &[], indices: &indices }).unwrap();
-    Cloth::new(Arc::new(mesh), fabric).unwrap()
-}
-
-fn euler(topology: &Topology) -> i64 {
-    topology.particle_count() as i64 - topology.edges.len() as i64 + topology.triangles.len() as i64
-}
-
-fn area(topology: &Topology) -> f64 {
-    topology.triangle_rest.iter().map(|rest| 0.5 * f64::from(rest.determinant())).sum()
-}
-
-fn mass(cloth: &Cloth) -> f64 {
-    cloth.particles.mass.iter().map(|mass| f64::from(*mass)).sum()
-}
-
-/// At most two triangles an edge, one fan a particle, areas that add up, render vertices that follow their particles.
-fn assert_sound(cloth: &Cloth) {
-    let topology = &cloth.topology;
-    let mut around: HashMap<u32, Vec<usize>> = HashMap::new();
-    let mut beside: HashMap<[u32; 2], usize> = HashMap::new();
-    for (triangle, corners) in topology.triangles.iter().enumerate() {
-        for i in 0..3 {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            assert!(topology.is_particle(a), "triangle {triangle} stands on what is no particle");
-            around.entry(a).or_default().push(triangle);
-            *beside.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-        for (vertex, slot) in topology.triangle_vertices[triangle].iter().zip(corners) {
-            assert_eq!(topology.vertex_particle[*vertex as usize], *slot);
-        }
-    }
-    assert!(beside.values().all(|count| *count <= 2), "an edge has more than two triangles");
-    assert_eq!(beside.len(), topology.edges.len());
-    for (slot, fan) in &around {
-        let mut reached = vec![fan[0]];
-        let mut next = 0;
-        while let Some(triangle) = reached.get(next).copied() {
-            next += 1;
-            for other in fan {
-                let shared = topology.triangles[triangle].iter().filter(|s| topology.triangles[*other].contains(s));
-                if shared.count() == 2 && !reached.contains(other) {
-                    reached.push(*other);
-                }
-            }
-        }
-        assert_eq!(reached.len(), fan.len(), "particle {slot} has more than one fan");
-    }
-    let of_particles: f64 = topology.area.iter().map(|area| f64::from(*area)).sum();
-    assert!((of_particles / area(topology) - 1.0).abs() < 1e-5);
-    assert_eq!(around.len(), topology.particle_count());
-}
-
-fn both(width: u32, height: u32) -> [Cloth; 2] {
-    let sheet = rectangle(1.0, 1.0, width, height, &Fabric::COTTON_POPLIN);
-    [as_mesh(&sheet, &Fabric::COTTON_POPLIN), sheet]
-}
-
 #[test]
 fn a_full_straight_cut_leaves_exactly_two_pieces_and_keeps_area_and_mass() {
-    for (from, to) in [([-0.6, 0.03], [0.6, -0.21]), ([0.013, 0.7], [-0.2, -0.7]), ([-0.7, -0.6], [0.7, 0.65])] {
+    // The last two go through particles exactly, the last one along a whole row.
+    for (from, to) in [
+        ([-0.6, 0.03], [0.6, -0.21]),
+        ([0.013, 0.7], [-0.2, -0.7]),
+        ([-0.7, -0.6], [0.7, 0.65]),
+        ([-0.8, 0.14], [0.8, -0.14]),
+        ([-0.6, 0.0], [0.6, 0.0]),
+    ] {
         for mut cloth in both(12, 12) {
             let (old_area, old_mass) = (area(&cloth.topology), mass(&cloth));
-            cloth.cut(&blade(from, to), &[]).unwrap();
+            cloth.cut(&blade(from, to)).unwrap();
             assert_sound(&cloth);
             let pieces = cloth.topology.pieces();
             assert_eq!(pieces.triangles.len(), 2, "{from:?} to {to:?}");
@@ -102,7 +38,7 @@ fn a_full_straight_cut_leaves_exactly_two_pieces_and_keeps_area_and_mass() {
 fn a_cut_is_a_straight_line_and_no_staircase() {
     for mut cloth in both(16, 16) {
         let (from, to) = ([-0.7, -0.13], [0.7, 0.31]);
-        cloth.cut(&blade(from, to), &[]).unwrap();
+        cloth.cut(&blade(from, to)).unwrap();
         let pieces = cloth.topology.pieces();
         let spacing = 1.0 / 16.0;
         let along = (glam::Vec2::from(to) - glam::Vec2::from(from)).normalize();
@@ -122,7 +58,7 @@ fn a_cut_is_a_straight_line_and_no_staircase() {
 #[test]
 fn a_cut_with_both_ends_inside_leaves_one_piece_with_a_hole() {
     for mut cloth in both(12, 12) {
-        cloth.cut(&blade([-0.22, 0.03], [0.28, -0.11]), &[]).unwrap();
+        cloth.cut(&blade([-0.22, 0.03], [0.28, -0.11])).unwrap();
         assert_sound(&cloth);
         assert_eq!(cloth.topology.pieces().triangles.len(), 1);
         assert_eq!(euler(&cloth.topology), 0);
@@ -133,9 +69,9 @@ fn a_cut_with_both_ends_inside_leaves_one_piece_with_a_hole() {
 fn the_same_stroke_again_changes_nothing() {
     for mut cloth in both(12, 12) {
         let stroke = blade([-0.3, 0.03], [0.6, -0.21]);
-        cloth.cut(&stroke, &[]).unwrap();
+        cloth.cut(&stroke).unwrap();
         let before = cloth.topology.clone();
-        assert_eq!(cloth.cut(&stroke, &[]), None);
+        assert_eq!(cloth.cut(&stroke), None);
         assert!(Arc::ptr_eq(&before, &cloth.topology));
     }
 }
@@ -145,14 +81,43 @@ fn a_stroke_of_many_short_blades_cuts_as_one_long_blade_does() {
     for steps in [1, 2, 3, 5, 8, 13, 17, 24, 37, 60, 61, 122, 200, 500] {
         for mut cloth in both(12, 12) {
             let at = |i: u32| [-0.61 + 1.22 * i as f32 / steps as f32, 0.07 - 0.2 * i as f32 / steps as f32];
-            let mut tips = Vec::new();
+            let mut stroke = Stroke::new(ray(at(0)), &cloth.particles.position);
             for i in 0..steps {
-                if let Some(cut) = cloth.cut(&blade(at(i), at(i + 1)), &tips) {
-                    tips = cut.tips;
-                }
+                cloth.sweep(&mut stroke, ray(at(i + 1)));
             }
             assert_sound(&cloth);
             assert_eq!(cloth.topology.pieces().triangles.len(), 2, "{steps} blades");
+        }
+    }
+}
+
+#[test]
+fn a_stroke_through_a_moving_curtain_is_one_slit_without_a_neck() {
+    // Blown about and swinging, seen by rays from one eye; so that every blade begins where the cloth no longer is.
+    for (events, dt) in [(20, 1.0 / 60.0), (45, 1.0 / 60.0), (30, 1.0 / 240.0)] {
+        for mut cloth in both(16, 16) {
+            let top: Vec<u32> =
+                cloth.topology.particles().filter(|s| cloth.topology.rest[*s as usize].y > 0.499).collect();
+            pin_top(&mut cloth, top);
+            for slot in 0..cloth.topology.slots() {
+                let Vec3 { x, y, .. } = cloth.topology.rest[slot];
+                let down = 0.5 - y;
+                cloth.particles.velocity.set(slot, down * Vec3::new(1.5, 0.5, 3.0 * (9.0 * x).sin() - 2.0));
+            }
+            let eye = Vec3::new(0.2, 0.1, 3.0);
+            let ray = |i: u32| [eye, eye + 4.0 * (Vec3::new(-1.1 + 2.2 * i as f32 / events as f32, -0.1, 0.0) - eye)];
+            let mut stroke = Stroke::new(ray(0), &cloth.particles.position);
+            let mut cuts = 0;
+            for i in 0..events {
+                cloth.step(Tick { dt, ..TICK }, GRAVITY);
+                cuts += u32::from(cloth.sweep(&mut stroke, ray(i + 1)).is_some());
+            }
+            assert_sound(&cloth);
+            assert!(cuts > 4, "{cuts} of {events} blades cut");
+            let mut pieces = cloth.topology.pieces().triangles;
+            pieces.sort_unstable();
+            assert!(pieces.len() >= 2, "{events} blades leave a neck");
+            assert!(pieces[pieces.len() - 2] > 80, "only chips of {pieces:?} triangles were cut off");
         }
     }
 }
@@ -166,7 +131,7 @@ fn a_blade_that_has_not_moved_or_meets_nothing_cuts_nothing() {
         blade([f32::NAN, 0.1], [0.9, 0.1]),
         blade([0.11, 0.03], [0.112, 0.03]),
     ] {
-        assert_eq!(cloth.cut(&nothing, &[]), None);
+        assert_eq!(cloth.cut(&nothing), None);
     }
     assert_eq!(euler(&cloth.topology), 1);
 }
@@ -181,7 +146,7 @@ fn no_part_gets_smaller_than_a_fiftieth_of_a_triangle_however_often_it_is_cut() 
             let off = 0.3 * (i as f32 * 0.7).sin();
             let from = [off * -sin - 0.8 * cos, off * cos - 0.8 * sin];
             let to = [off * -sin + 0.8 * cos, off * cos + 0.8 * sin];
-            cloth.cut(&blade(from, to), &[]);
+            cloth.cut(&blade(from, to));
         }
         assert_sound(&cloth);
         let smallest = cloth.topology.triangle_rest.iter().map(|r| 0.5 * r.determinant()).fold(f32::INFINITY, f32::min);
@@ -200,7 +165,7 @@ proptest! {
         for mut cloth in both(10, 8) {
             let old = mass(&cloth);
             for [a, b, c, d] in &strokes {
-                cloth.cut(&blade([*a, *b], [*c, *d]), &[]);
+                cloth.cut(&blade([*a, *b], [*c, *d]));
             }
             assert_sound(&cloth);
             prop_assert!((mass(&cloth) / old - 1.0).abs() < 1e-5, "{} of {old}", mass(&cloth));
@@ -226,7 +191,7 @@ fn what_is_cut_off_falls_freely_and_the_rest_hangs_as_before_by_every_method() {
             let top: Vec<u32> =
                 cloth.topology.particles().filter(|s| cloth.topology.rest[*s as usize].y > 0.249).collect();
             pin_top(&mut cloth, top);
-            cloth.cut(&blade([-0.4, 0.01], [0.4, 0.03]), &[]).unwrap();
+            cloth.cut(&blade([-0.4, 0.01], [0.4, 0.03])).unwrap();
             let pieces = cloth.topology.pieces();
             let lower =
                 (0..cloth.topology.slots()).filter(|slot| pieces.of_slot[*slot] == pieces.of_slot[bottom(&cloth)]);
@@ -257,7 +222,7 @@ fn bottom(cloth: &Cloth) -> usize {
 fn a_strip_with_a_slit_carries_its_weight_around_it() {
     let mut cloth = rectangle(1.0, 1.0, 20, 20, &Fabric::COTTON_POPLIN);
     pin_top(&mut cloth, 0..=20);
-    cloth.cut(&blade([-0.13, 0.003], [0.13, 0.003]), &[]).unwrap();
+    cloth.cut(&blade([-0.13, 0.003], [0.13, 0.003])).unwrap();
     settle(&mut cloth, 5.0);
     let pairs: Vec<(u32, u32)> = (cloth.topology.particles())
         .flat_map(|a| cloth.topology.particles().map(move |b| (a, b)))
@@ -280,8 +245,8 @@ fn a_cut_cloth_keeps_its_momentum_and_gains_no_energy() {
         let x = cloth.topology.rest[slot];
         cloth.particles.velocity.set(slot, Vec3::new(0.3, -0.2, 0.1) + Vec3::new(0.0, 0.0, 2.0).cross(x));
     }
-    cloth.cut(&blade([-0.5, -0.02], [0.5, 0.11]), &[]).unwrap();
-    cloth.cut(&blade([-0.12, 0.4], [0.02, -0.4]), &[]).unwrap();
+    cloth.cut(&blade([-0.5, -0.02], [0.5, 0.11])).unwrap();
+    cloth.cut(&blade([-0.12, 0.4], [0.02, -0.4])).unwrap();
     assert_eq!(cloth.topology.pieces().triangles.len(), 4);
     let energy = |cloth: &Cloth| {
         measure::kinetic_energy(&cloth.particles)
@@ -296,103 +261,4 @@ fn a_cut_cloth_keeps_its_momentum_and_gains_no_energy() {
     let drift = (measure::linear_momentum(&cloth.particles) - momentum).length() / momentum.length();
     assert!(drift < 1e-4, "momentum drifts by {drift}");
     assert!(most < 1.01 * before, "energy rises from {before} to {most} J");
-}
-
-/// A strip held at the top and pulled down by weights on its lower row, more and more, until it tears; the pull, N.
-fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
-    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
-    let sheet = rectangle(0.3, 0.3, 15, 15, &fabric);
-    let mut cloth = if mesh { as_mesh(&sheet, &fabric) } else { sheet };
-    if notched {
-        cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01]), &[]).unwrap();
-    }
-    let row = |y: f32| -> Vec<u32> {
-        let rest = |slot: &u32| cloth.topology.rest[*slot as usize].y;
-        cloth.topology.particles().filter(|slot| (rest(slot) - y).abs() < 1e-3).collect()
-    };
-    let (top, bottom) = (row(0.15), row(-0.15));
-    pin_top(&mut cloth, top);
-    let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
-    for tick in 0..400 {
-        let pull = 0.5 * tick as f32;
-        let area = |slot: &u32| cloth.topology.area[*slot as usize];
-        let total: f32 = bottom.iter().map(area).sum();
-        for (slot, share) in bottom.iter().map(|slot| (*slot, area(slot) / total)).collect::<Vec<_>>() {
-            cloth.particles.add_force(slot as usize, Vec3::NEG_Y * (pull * share));
-        }
-        cloth.step(TICK, GRAVITY);
-        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
-        if cloth.tear(&mut tear, &tearing).is_some() {
-            assert_sound(&cloth);
-            return Some(pull);
-        }
-    }
-    None
-}
-
-#[test]
-fn a_notched_sheet_tears_at_a_lower_load_than_a_whole_one() {
-    for mesh in [false, true] {
-        let (whole, notched) = (pull_apart(false, mesh).unwrap(), pull_apart(true, mesh).unwrap());
-        // A strip 0.3 m wide that takes 400 N/m.
-        assert!((whole / 120.0 - 1.0).abs() < 0.15, "the whole one tears at {whole} N");
-        assert!(notched < 0.8 * whole, "the notched one at {notched} N, the whole one at {whole} N");
-    }
-}
-
-#[test]
-fn a_tear_runs_on_until_the_sheet_is_in_two() {
-    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
-    let mut cloth = rectangle(0.3, 0.3, 15, 15, &fabric);
-    cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01]), &[]).unwrap();
-    let (old_mass, old_area) = (mass(&cloth), area(&cloth.topology));
-    pin_top(&mut cloth, 0..=15);
-    let grid = cloth.topology.grid.unwrap();
-    let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
-    for _ in 0..240 {
-        for column in 0..=15 {
-            cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 5.0);
-        }
-        cloth.step(TICK, GRAVITY);
-        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
-        cloth.tear(&mut tear, &tearing);
-        assert!(cloth.particles.is_finite());
-    }
-    assert_sound(&cloth);
-    assert!(cloth.topology.pieces().triangles.len() >= 2);
-    assert!((mass(&cloth) / old_mass - 1.0).abs() < 1e-5 && (area(&cloth.topology) / old_area - 1.0).abs() < 1e-5);
-    let below = cloth.particles.position.y[grid.slot(15, 7) as usize];
-    assert!(below < -1.0, "the lower half falls: {below} m");
-}
-
-#[test]
-fn a_sheet_torn_to_single_cells_while_held_stays_finite_and_keeps_its_mass() {
-    for mut cloth in both(6, 6) {
-        let old = mass(&cloth);
-        let triangle = cloth.topology.triangles[20];
-        let at = Vec3::new(0.0, 0.3, 0.4);
-        for round in 0..200_u32 {
-            let particles: Vec<u32> = cloth.topology.particles().collect();
-            let slot = particles[(round as usize * 7919) % particles.len()];
-            let pull = if round % 2 == 0 { Direction::Weft } else { Direction::Warp };
-            cloth.tear_at(slot, pull);
-            cloth.constraints.grabs = vec![Grab {
-                particles: triangle,
-                weights: [1.0 / 3.0; 3],
-                from: at,
-                to: at,
-                stiffness: 200.0,
-                max_force: 20.0,
-            }];
-            cloth.step(TICK, GRAVITY);
-            assert!(cloth.particles.is_finite(), "round {round}");
-        }
-        assert_sound(&cloth);
-        assert!(cloth.topology.pieces().triangles.len() > 4);
-        assert!((mass(&cloth) / old - 1.0).abs() < 1e-5);
-    }
 }

@@ -215,7 +215,7 @@ fn what_is_born_of_burning_cloth_burns_as_its_parents_do() {
         to: [Vec3::new(0.11, 0.061, 1.0), Vec3::new(0.11, 0.061, -1.0)],
     };
     let position = sheet.particles.position.clone();
-    let change = cut(&mut sheet.topology, &position, &blade, &[]).unwrap().change;
+    let change = cut(&mut sheet.topology, &position, &blade).unwrap().change;
     sheet.follow(&before, &change);
     assert!(change.born.iter().any(|born| born.t > 0.0) && change.born.iter().any(|born| born.t == 0.0));
     for born in &change.born {

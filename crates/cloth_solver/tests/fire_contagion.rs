@@ -122,7 +122,7 @@ fn edges_keep_their_damage_and_fire_when_the_cloth_is_cut() {
     };
     let (flaming, fuel) = (sheet.fire.flaming(), sheet.fire.fuel().to_vec());
     let position = sheet.particles.position.clone();
-    let change = cut(&mut sheet.topology, &position, &blade, &[]).unwrap().change;
+    let change = cut(&mut sheet.topology, &position, &blade).unwrap().change;
     sheet.follow(&before, &change);
     let kept = before.particles().all(|slot| sheet.fire.fuel()[slot as usize] == fuel[slot as usize]);
     assert!(kept && change.born.len() > 10);

@@ -44,6 +44,7 @@ impl WholeItem<'_, '_> {
     pub fn become_(&mut self, now: Arc<Topology>, change: &Change, commands: &mut Commands) {
         damage::follow(&self.topology.0, &now, change, &mut self.particles, &mut self.constraints);
         self.history.position.follow(change);
+        self.history.strokes.follow(change);
         if let Some(tear) = &mut self.tear {
             tear.0.follow(change);
         }

@@ -1,9 +1,8 @@
 //! Cutting: a blade swept between two rays.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
-use cloth_solver::damage::{self, Blade};
+use cloth_solver::damage::Stroke;
+use cloth_solver::topology::Change;
 
 use super::apply::{Whole, WholeItem};
 use crate::events::ClothCut;
@@ -23,29 +22,61 @@ pub struct CutCloth {
     pub reach: f32,
 }
 
-/// Where the last blade of a stroke left off in a cloth, so that the next one goes on from there.
+/// The strokes that are going on in a cloth, each with the number of the stroke and the camera it is seen by.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CutStroke {
-    tips: Vec<u32>,
+pub(crate) struct Strokes(Vec<([u64; 2], Stroke)>);
+
+impl Strokes {
+    /// Takes over what was torn, cut or burnt.
+    pub fn follow(&mut self, change: &Change) {
+        self.0.iter_mut().for_each(|(_, stroke)| stroke.follow(change));
+    }
+
+    /// Ends all but those whose number is `wanted`.
+    #[cfg(feature = "picking")]
+    pub fn retain(&mut self, wanted: impl Fn(u64) -> bool) {
+        self.0.retain(|([number, _], _)| wanted(*number));
+    }
+
+    /// Takes one out, if it has begun.
+    #[cfg(feature = "picking")]
+    pub fn take(&mut self, which: [u64; 2]) -> Option<Stroke> {
+        let at = self.0.iter().position(|(known, _)| *known == which)?;
+        Some(self.0.swap_remove(at).1)
+    }
+
+    /// Puts one back.
+    #[cfg(feature = "picking")]
+    pub fn put(&mut self, which: [u64; 2], stroke: Stroke) {
+        self.0.push((which, stroke));
+    }
 }
 
-impl CutStroke {
-    /// Cuts `cloth` from one ray to the other.
-    pub fn sweep(&mut self, cloth: &mut WholeItem, from: Ray3d, to: Ray3d, reach: f32, commands: &mut Commands) {
-        let ends = |ray: Ray3d| [ray.origin, ray.get_point(reach)].map(|point| cloth.frame.to_local(point));
-        let blade = Blade { from: ends(from), to: ends(to) };
-        let mut now = (*cloth.topology.0).clone();
-        let Some(cut) = damage::cut(&mut now, &cloth.particles.position, &blade, &self.tips) else { return };
-        cloth.become_(Arc::new(now), &cut.change, commands);
-        self.tips = cut.tips;
-        let position = cloth.place(cut.at);
-        report(commands, ClothCut { entity: cloth.entity, particle: cut.at, position, edges: cut.edges as u32 });
+impl WholeItem<'_, '_> {
+    /// Cuts it by a blade from `from`, or from where `stroke` left off, to `to`; the stroke from then on.
+    pub fn sweep(
+        &mut self,
+        stroke: Option<Stroke>,
+        [from, to]: [Ray3d; 2],
+        reach: f32,
+        commands: &mut Commands,
+    ) -> Stroke {
+        let ends = |ray: Ray3d| [ray.origin, ray.get_point(reach)].map(|point| self.frame.to_local(point));
+        let (from, to) = (ends(from), ends(to));
+        let mut stroke = stroke.unwrap_or_else(|| Stroke::new(from, &self.particles.position));
+        let mut now = self.topology.0.clone();
+        if let Some(cut) = stroke.sweep(&mut now, &self.particles.position, to) {
+            self.become_(now, &cut.change, commands);
+            let (entity, position) = (self.entity, self.place(cut.at));
+            report(commands, ClothCut { entity, particle: cut.at, position, edges: cut.edges as u32 });
+        }
+        stroke
     }
 }
 
 /// Answers [`CutCloth`].
 pub(crate) fn on_cut(asked: On<CutCloth>, mut cloths: Query<Whole>, mut commands: Commands) {
     if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
-        CutStroke::default().sweep(&mut cloth, asked.from, asked.to, asked.reach, &mut commands);
+        cloth.sweep(None, [asked.from, asked.to], asked.reach, &mut commands);
     }
 }

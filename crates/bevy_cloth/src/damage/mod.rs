@@ -15,8 +15,7 @@ use crate::schedule::{ClothSchedule, ClothSystems};
 pub(crate) use apply::Whole;
 pub use cloth_solver::damage::fire::{Contagion, Flammability, Flammable, Stage};
 pub use cut::CutCloth;
-#[cfg(feature = "picking")]
-pub(crate) use cut::CutStroke;
+pub(crate) use cut::Strokes;
 pub use fire::{ClothFire, IgniteCloth, WetCloth};
 pub use pieces::{ClothPiece, ClothPieces};
 pub(crate) use tear::TearState;

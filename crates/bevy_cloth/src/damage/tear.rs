@@ -16,7 +16,7 @@ use crate::{ClothTopology, Fabric};
 ///
 /// The limit is the fabric's [`strength`](Fabric::strength), times the painted strength of the mesh
 /// ([`ATTRIBUTE_STRENGTH`](super::ATTRIBUTE_STRENGTH)), less what is charred, times [`Tearable::scale`]. Without this
-/// component nothing is watched.
+/// component nothing is watched. A piece that has fallen some 8,000 edges from the cloth's frame tears no further.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct Tearable {
@@ -25,8 +25,8 @@ pub struct Tearable {
     pub scale: f32,
     /// Most particles that part in a tick, 1 to 1000. Default 4.
     pub splits: u32,
-    /// Factor on the strength of the particles that a crack points at, 0 to 1. Default 0.5: a tear runs on where it has
-    /// begun.
+    /// Factor on the strength of the particles that a crack points at, until it has passed, 0 to 1. Default 0.5: a tear runs
+    /// on where it has begun.
     pub weakening: f32,
     /// A piece with fewer triangles, held by nothing, is debris. Default 8; 0 for none.
     pub debris: u32,

@@ -8,23 +8,26 @@ use bevy::prelude::*;
 
 use super::ClothPicking;
 use super::backend::Shown;
-use crate::damage::{CutStroke, Whole};
+use crate::damage::Whole;
 
 /// How far a blade reaches, m.
 const REACH: f32 = 1000.0;
 
 /// The strokes of all pointers.
 #[derive(Resource, Debug, Default)]
-pub(crate) struct Strokes(Vec<Stroke>);
+pub(crate) struct Strokes {
+    going_on: Vec<Stroke>,
+    /// How many there ever were.
+    count: u64,
+}
 
 /// One stroke, from where the button went down.
 #[derive(Debug)]
 struct Stroke {
+    number: u64,
     pointer: PointerId,
     button: PointerButton,
     at: Vec2,
-    /// Where it left off in each cloth, seen by each camera.
-    cuts: Vec<(Entity, Entity, CutStroke)>,
 }
 
 /// Follows every event of the pointers, also if there are many in a frame: what lies between two is swept over.
@@ -38,31 +41,36 @@ pub(crate) fn cut(
     mut strokes: ResMut<Strokes>,
     mut commands: Commands,
 ) {
-    if !settings.enabled {
-        strokes.0.clear();
-    }
+    let mut ended = !settings.enabled && strokes.end(|_| true);
     for event in input.read() {
         let (pointer, location) = (event.pointer_id, &event.location);
         match event.action {
             PointerAction::Press(button) if settings.enabled && settings.cut_button == Some(button) => {
-                strokes.0.retain(|stroke| stroke.pointer != pointer);
-                strokes.0.push(Stroke { pointer, button, at: location.position, cuts: Vec::new() });
+                ended |= strokes.end(|stroke| stroke.pointer == pointer);
+                strokes.count += 1;
+                let number = strokes.count;
+                strokes.going_on.push(Stroke { number, pointer, button, at: location.position });
             }
             PointerAction::Release(button) => {
-                strokes.0.retain(|stroke| stroke.pointer != pointer || stroke.button != button);
+                ended |= strokes.end(|stroke| stroke.pointer == pointer && stroke.button == button);
             }
-            PointerAction::Cancel => strokes.0.retain(|stroke| stroke.pointer != pointer),
+            PointerAction::Cancel => ended |= strokes.end(|stroke| stroke.pointer == pointer),
             PointerAction::Move { .. } => {
-                let Some(stroke) = strokes.0.iter_mut().find(|stroke| stroke.pointer == pointer) else { continue };
+                let Some(stroke) = strokes.going_on.iter_mut().find(|stroke| stroke.pointer == pointer) else {
+                    continue;
+                };
                 let from = std::mem::replace(&mut stroke.at, location.position);
                 for (id, _) in rays.iter().filter(|(id, _)| id.pointer == pointer) {
                     let Ok((camera, place, layers)) = cameras.get(id.camera) else { continue };
                     let ray = |at: Vec2| ray(camera, place, at);
                     let (Some(first), Some(last)) = (ray(from), ray(location.position)) else { continue };
+                    let which = [stroke.number, id.camera.to_bits()];
                     for (mut cloth, cloth_layers) in &mut cloths {
                         let seen = layers.unwrap_or_default().intersects(cloth_layers.unwrap_or_default());
                         if seen && shown.get(cloth.entity) {
-                            stroke.of(id.camera, cloth.entity).sweep(&mut cloth, first, last, REACH, &mut commands);
+                            let begun = cloth.history.strokes.take(which);
+                            let stroke = cloth.sweep(begun, [first, last], REACH, &mut commands);
+                            cloth.history.strokes.put(which, stroke);
                         }
                     }
                 }
@@ -70,16 +78,16 @@ pub(crate) fn cut(
             _ => {}
         }
     }
+    if ended {
+        let is_going_on = |number| strokes.going_on.iter().any(|stroke| stroke.number == number);
+        cloths.iter_mut().for_each(|(mut cloth, _)| cloth.history.strokes.retain(is_going_on));
+    }
 }
 
-impl Stroke {
-    fn of(&mut self, camera: Entity, cloth: Entity) -> &mut CutStroke {
-        let known = self.cuts.iter().position(|(from, in_, _)| (*from, *in_) == (camera, cloth));
-        let at = known.unwrap_or_else(|| {
-            self.cuts.push((camera, cloth, CutStroke::default()));
-            self.cuts.len() - 1
-        });
-        &mut self.cuts[at].2
+impl Strokes {
+    /// Ends those that are `over`; whether any is.
+    fn end(&mut self, over: impl Fn(&Stroke) -> bool) -> bool {
+        self.going_on.extract_if(.., |stroke| over(stroke)).count() > 0
     }
 }
 

@@ -159,7 +159,7 @@ impl WantedItem<'_, '_> {
         let frame = ClothFrame { pose, scale: placement.scale, before: pose, lost: false };
         let SolverCloth { mut particles, mut constraints, contacts, .. } =
             SolverCloth::new(topology.0.clone(), &fabric)?;
-        let history = ClothHistory { position: particles.position.clone() };
+        let history = ClothHistory { position: particles.position.clone(), strokes: Default::default() };
         let loads = Loads::find(self.weights(), &topology, &skin.0);
         self.authored.faults.weights = loads.as_ref().err().cloned();
         let loads = loads.unwrap_or_default();

@@ -111,7 +111,7 @@ fn apply(cloth: &mut Cloth, change: &str) -> Option<()> {
                 let x = 0.5 * (at(column, 0).x + at(column + 1, 0).x);
                 let (low, high) = (at(0, grid.rows - 1).y - 1.0, at(0, grid.rows - 1 - EDGES / 2).y);
                 let ray = |y: f32| [Vec3::new(x, y, 10.0), Vec3::new(x, y, -10.0)];
-                cloth.cut(&Blade { from: ray(low), to: ray(high) }, &[])?;
+                cloth.cut(&Blade { from: ray(low), to: ray(high) })?;
             }
         }
     }

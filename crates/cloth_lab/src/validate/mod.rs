@@ -4,6 +4,7 @@ mod air;
 mod cantilever;
 pub mod closed;
 mod contact;
+mod damage;
 mod fan;
 pub mod finding;
 mod fire;
@@ -57,6 +58,8 @@ const CHECKS: &[Check] = &[
     ("contact depth", contact::depth),
     ("air: fall", air::fall),
     ("air: wind", air::wind),
+    ("tearing", damage::tearing),
+    ("cutting", damage::cutting),
     ("fire: spread", fire::spread),
     ("fire: slope, mass and tick", fire::slope),
     ("fire: ignition", fire::ignition),

@@ -64,8 +64,8 @@ impl Woven {
     pub fn new(topology: &Topology, fabric: &Fabric) -> Option<Self> {
         let (grid, weave) = (topology.grid?, topology.weave.as_ref()?);
         Some(Self {
-            weft: threads(topology, Along::Weft),
-            warp: threads(topology, Along::Warp),
+            weft: threads(topology, Along::Weft, |_| true),
+            warp: threads(topology, Along::Warp, |_| true),
             cells: grid.cells().filter_map(|(row, column)| topology.cell(&grid, row, column)).collect(),
             loose: MeshForces::new(topology, weave.loose.clone(), fabric),
         })

@@ -12,7 +12,7 @@ use super::listed::{Listed, Work, pack};
 use super::triangles::Triangles;
 use super::wear::Wear;
 use crate::lanes::LANES;
-use crate::topology::{Along, Thread, threads};
+use crate::topology::{Along, regular_runs, threads};
 use crate::{Fabric, Grid, Particles, Topology};
 
 /// What was taken apart.
@@ -35,18 +35,9 @@ struct Listed8 {
 
 impl Listed8 {
     fn new(topology: &Topology, grid: &Grid, along: Along) -> Self {
-        let runs = match along {
-            Along::Weft => grid.rows,
-            Along::Warp => grid.columns,
-        } as usize;
-        let threads = threads(topology, along);
-        let mut whole = vec![false; runs.next_multiple_of(LANES)];
-        whole[runs..].fill(true);
-        for thread in &threads {
-            whole[thread.run as usize] |= thread.is_regular(grid, along);
-        }
-        let regular: Vec<bool> = whole.chunks(LANES).map(|eight| eight.iter().all(|whole| *whole)).collect();
-        let listed: Vec<Thread> = threads.into_iter().filter(|thread| !regular[thread.run as usize / LANES]).collect();
+        let runs = regular_runs(topology, grid, along);
+        let regular: Vec<bool> = runs.chunks(LANES).map(|eight| eight.iter().all(|regular| *regular)).collect();
+        let listed = threads(topology, along, |run| !regular[run as usize / LANES]);
         Self { blocks: pack(listed, topology.padding()), regular }
     }
 }

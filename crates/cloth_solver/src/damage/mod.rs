@@ -5,9 +5,10 @@
 
 mod cut;
 pub mod fire;
+mod line;
 mod tear;
 
-pub use cut::{Blade, Cut, cut};
+pub use cut::{Blade, Cut, Stroke, cut};
 pub use tear::{Direction, Split, Tear, Tearing, Torn, tear_at};
 
 use crate::constraint::Constraints;

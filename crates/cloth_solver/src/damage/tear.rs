@@ -2,16 +2,21 @@
 //!
 //! The load of a particle along weft and along warp is the tension of its links, per width of fabric, smoothed over a few
 //! ticks. The crack runs along warp or weft, between cells, and weakens the particles it points at: a tear runs on rather
-//! than begin anew beside (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide).
+//! than begin anew beside (Pfaff, Narain, de Joya, O'Brien 2014 refine the mesh for that; here the threads decide). What it
+//! has passed is as strong as before: out of weak lips a hand would rip no more than what it holds.
 
 use std::sync::Arc;
 
 use crate::constraint::{Constraints, Tensions};
 use crate::topology::{Along, Change, Surgery};
-use crate::{ClothError, Particles, Topology};
+use crate::{ClothError, Particles, Soa3, Topology};
 
 /// Time over which loads are smoothed, s: about three ticks of 1/60 s, so that no single jolt tears.
 const SMOOTHING: f32 = 0.05;
+
+/// A particle farther than this from the origin of its cloth's frame, in mean edges, tears no more: single precision does not
+/// know the length of an edge there to better than a thousandth (2⁻²³ · 2¹³), and what it makes of that is no load.
+const KNOWN: f32 = 8192.0;
 
 /// How a cloth tears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +25,7 @@ pub struct Tearing {
     pub strength: f32,
     /// Most particles that part in a tick, 1..=1000.
     pub splits: u32,
-    /// Factor on the strength of the particles that a crack points at, 0..=1; 0.2–0.6 lets a tear run on.
+    /// Factor on the strength of the particles that a crack points at, until it has passed; 0..=1. 0.2–0.6 lets a tear run on.
     pub weakening: f32,
 }
 
@@ -59,8 +64,11 @@ pub struct Torn {
 pub struct Tear {
     /// Smoothed tension along weft and warp at each slot, N/m.
     load: [Vec<f32>; 2],
-    /// Factor on the strength of each slot.
+    /// Factor on the strength of each slot, as painted, and as it is now: weaker where a crack points at it.
+    painted: Vec<f32>,
     weak: Vec<f32>,
+    /// Distance from the frame's origin up to which loads are known, m.
+    reach: f32,
     tensions: Tensions,
     overloaded: Vec<(u32, Along, f32)>,
 }
@@ -69,9 +77,13 @@ impl Tear {
     /// Nothing loaded. `painted` is a factor on the strength of each slot, or empty.
     pub fn new(topology: &Topology, painted: Vec<f32>) -> Self {
         let slots = topology.slots();
-        let mut weak = painted;
-        weak.resize(slots, 1.0);
-        Self { load: [vec![0.0; slots], vec![0.0; slots]], weak, ..Self::default() }
+        let mut painted = painted;
+        painted.resize(slots, 1.0);
+        let rest = |slot: u32| topology.rest[slot as usize];
+        let total: f32 = topology.edges.iter().map(|[a, b]| rest(*a).distance(rest(*b))).sum();
+        let reach = KNOWN * total / topology.edges.len().max(1) as f32;
+        let load = [vec![0.0; slots], vec![0.0; slots]];
+        Self { load, weak: painted.clone(), painted, reach, ..Self::default() }
     }
 
     /// Number of slots it knows.
@@ -91,7 +103,7 @@ impl Tear {
 
     /// Takes over what was cut or burnt.
     pub fn follow(&mut self, change: &Change) {
-        for numbers in self.load.iter_mut().chain([&mut self.weak]) {
+        for numbers in self.load.iter_mut().chain([&mut self.painted, &mut self.weak]) {
             numbers.resize(change.slots, 0.0);
             for born in &change.born {
                 numbers[born.slot as usize] = born.blend(|slot| numbers[slot]);
@@ -109,10 +121,13 @@ impl Tear {
         dt: f32,
     ) {
         constraints.tensions(topology, particles, h, &mut self.tensions);
-        let fresh = dt / (SMOOTHING + dt);
+        let (fresh, farthest) = (dt / (SMOOTHING + dt), self.reach * self.reach);
+        let Soa3 { x, y, z } = &particles.position;
         for (load, sums) in self.load.iter_mut().zip(self.tensions.along()) {
-            for ((load, tension), weight) in load.iter_mut().zip(&sums.tension).zip(&sums.weight) {
-                let now = if *weight > 0.0 { tension / weight } else { 0.0 };
+            let sums = sums.tension.iter().zip(&sums.weight);
+            for ((load, (tension, weight)), ((x, y), z)) in load.iter_mut().zip(sums).zip(x.iter().zip(y).zip(z)) {
+                let is_known = (*weight > 0.0) & (x * x + y * y + z * z < farthest);
+                let now = if is_known { tension / weight } else { 0.0 };
                 *load += (now - *load) * fresh;
             }
         }
@@ -127,18 +142,19 @@ impl Tear {
             return None;
         }
         let mut surgery = Surgery::new(Arc::make_mut(topology));
-        let (mut splits, weak) = (Vec::new(), &mut self.weak);
+        let mut splits = Vec::new();
         for &(particle, along, overload) in &self.overloaded {
             if splits.len() as u32 >= tearing.splits {
                 break;
             }
             if let Some(ends) = split(&mut surgery, particle, along) {
                 splits.push(Split { particle, overload });
-                // A particle born in this very tick is not known yet.
+                // The crack has passed: its lips are as strong as any edge. What it points at now is weak, if it was not born in
+                // this very tick.
+                self.weak[particle as usize] = self.painted[particle as usize];
                 for slot in ends {
-                    if let Some(weak) = weak.get_mut(slot as usize) {
-                        *weak = weak.min(tearing.weakening);
-                    }
+                    let known = self.weak.get_mut(slot as usize).zip(self.painted.get(slot as usize));
+                    known.into_iter().for_each(|(weak, painted)| *weak = painted * tearing.weakening);
                 }
             }
         }
@@ -218,6 +234,6 @@ fn split(surgery: &mut Surgery, particle: u32, along: Along) -> Option<Vec<u32>>
     };
     let ends: Vec<u32> = corners(true).filter(|slot| corners(false).any(|other| other == *slot)).collect();
     let of = |triangle: u32| sides.iter().find(|(known, _)| *known == triangle).map(|(_, after)| *after);
-    surgery.part_all(vec![particle], |a, b| of(a) != of(b));
+    surgery.part_all(vec![particle], |_, a, b| of(a) != of(b));
     Some(ends)
 }

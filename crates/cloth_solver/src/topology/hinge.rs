@@ -16,31 +16,16 @@ pub(super) struct Side {
     pub opposite: u32,
 }
 
+/// The sides of `triangle`, whose corners these are.
+pub(super) fn sides_of(triangle: u32, [a, b, c]: [u32; 3]) -> [Side; 3] {
+    [[a, b, c], [b, c, a], [c, a, b]].map(|[p, q, opposite]| Side { edge: [p.min(q), p.max(q)], triangle, opposite })
+}
+
 /// All sides of all triangles, sorted by edge and then by triangle.
 pub(super) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    // By counting how many there are of each smaller end: a cloth that tears finds them anew in every tick in which it does.
-    let ends = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
-    let slots = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-    let mut start = vec![0_u32; slots + 1];
-    for [p, q, _] in triangles.iter().flat_map(ends) {
-        start[p.min(q) as usize + 1] += 1;
-    }
-    for slot in 0..slots {
-        start[slot + 1] += start[slot];
-    }
-    let mut next = start.clone();
-    let none = Side { edge: [0; 2], triangle: 0, opposite: 0 };
-    let mut sides = vec![none; triangles.len() * 3];
-    for (triangle, corners) in triangles.iter().enumerate() {
-        for [p, q, opposite] in ends(corners) {
-            let at = &mut next[p.min(q) as usize];
-            sides[*at as usize] = Side { edge: [p.min(q), p.max(q)], triangle: triangle as u32, opposite };
-            *at += 1;
-        }
-    }
-    for slot in 0..slots {
-        sides[start[slot] as usize..start[slot + 1] as usize].sort_unstable();
-    }
+    let mut sides: Vec<Side> =
+        (0..triangles.len() as u32).flat_map(|at| sides_of(at, triangles[at as usize])).collect();
+    sides.sort_unstable();
     sides
 }
 

@@ -31,23 +31,22 @@ pub(crate) struct Thread {
     pub width: Vec<f32>,
 }
 
-impl Thread {
-    /// Whether it is what an undamaged rectangle has in its run: all of its particles, at their full width.
-    pub fn is_regular(&self, grid: &Grid, along: Along) -> bool {
-        let (count, step, first, runs) = match along {
-            Along::Weft => (grid.columns, 1, self.run * grid.stride, grid.rows),
-            Along::Warp => (grid.rows, grid.stride, self.run, grid.columns),
-        };
-        let width = if self.run == 0 || self.run + 1 == runs { 0.5 } else { 1.0 };
-        self.slots.len() == count as usize
-            && self.slots.iter().enumerate().all(|(k, slot)| *slot == first + k as u32 * step)
-            && self.width.iter().all(|w| *w == width)
+/// For each row or column of a rectangle whether it is as it was made: all of its particles, at their full width.
+pub(crate) fn regular_runs(topology: &Topology, grid: &Grid, along: Along) -> Vec<bool> {
+    let mut regular = vec![true; if along == Along::Weft { grid.rows } else { grid.columns } as usize];
+    for (row, column) in grid.cells() {
+        let (made, now) = (grid.cell(row, column), topology.cell(grid, row, column));
+        for (i, corner) in made.into_iter().enumerate().filter(|_| now != Some(made)) {
+            let run = if along == Along::Weft { row as usize + i / 2 } else { column as usize + i % 2 };
+            regular[run] &= now.is_some_and(|now| now[i] == corner);
+        }
     }
+    regular
 }
 
-/// All threads along `along` of a rectangle, run by run; of an undamaged one as many as it has rows or columns. Empty for
-/// any other mesh.
-pub(crate) fn threads(topology: &Topology, along: Along) -> Vec<Thread> {
+/// The threads along `along` of a rectangle in those rows or columns that are `wanted`, run by run; in an undamaged one as many
+/// as it has rows or columns. Empty for any other mesh.
+pub(crate) fn threads(topology: &Topology, along: Along, wanted: impl Fn(u32) -> bool) -> Vec<Thread> {
     let Some(grid) = topology.grid else { return Vec::new() };
     let (runs, count) = match along {
         Along::Weft => (grid.rows, grid.columns),
@@ -55,7 +54,7 @@ pub(crate) fn threads(topology: &Topology, along: Along) -> Vec<Thread> {
     };
     let mut threads = Vec::with_capacity(runs as usize);
     let mut open: Vec<usize> = Vec::new();
-    for run in 0..runs {
+    for run in (0..runs).filter(|run| wanted(*run)) {
         open.clear();
         for k in 0..count - 1 {
             // At most one link beside each of two cells, or one for both.

@@ -8,6 +8,7 @@ mod mesh;
 mod orient;
 mod pieces;
 mod recognise;
+mod renew;
 mod surgery;
 mod weave;
 mod weld;
@@ -15,7 +16,7 @@ mod weld;
 pub use change::{Born, BornVertex, Change};
 pub use grid::Resolution;
 pub(crate) use hinge::hinge_angle;
-pub(crate) use lines::{Along, Thread, threads};
+pub(crate) use lines::{Along, Thread, regular_runs, threads};
 pub use mesh::MeshSource;
 pub use pieces::Pieces;
 pub(crate) use surgery::{Crossing, Surgery};
@@ -71,7 +72,7 @@ pub struct Topology {
     pub edges: Vec<[u32; 2]>,
     /// Pairs of triangles over an inner edge: `[a, b, c, d]`, edge `a b`, `c` and `d` opposite to it. The triangle of
     /// `c` runs `a → b`, the one of `d` runs `b → a`, except across the seam of a one-sided surface, where both run
-    /// `a → b`. In the order of [`Topology::edges`]. Two triangles on the same three particles have no hinge.
+    /// `a → b`. Two triangles on the same three particles have no hinge.
     pub hinges: Vec<[u32; 4]>,
     /// The triangles of each hinge: that of `c`, that of `d`.
     pub hinge_triangles: Vec<[u32; 2]>,

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::Vec2;
 
 use super::weave::{NONE, Weave};
-use super::{Born, BornVertex, Change, Topology, hinge};
+use super::{Born, BornVertex, Change, Topology, hinge, renew};
 use crate::lanes::LANES;
 
 /// Where an edge is divided.
@@ -76,23 +76,26 @@ impl<'a> Surgery<'a> {
         self.topology.vertex_particle.len() as u32 - 1
     }
 
-    /// Divides every triangle at the crossings on its edges, at most two of which are crossed; in the order of the crossings
-    /// the new particles. To be called before anything is parted.
+    /// Divides every triangle at the crossings on its edges, at most two of which are crossed; in the order of the crossings,
+    /// which have to be sorted by edge, the new particles. To be called before anything is parted.
     pub fn divide(&mut self, crossings: &[Crossing]) -> Vec<u32> {
+        let mut is_end = vec![false; self.topology.slots()];
+        crossings.iter().flat_map(|crossing| crossing.edge).for_each(|slot| is_end[slot as usize] = true);
         let born: Vec<u32> = crossings.iter().map(|crossing| self.bear(crossing.edge, crossing.t)).collect();
-        let at: HashMap<[u32; 2], (u32, f32)> =
-            crossings.iter().zip(&born).map(|(crossing, slot)| (crossing.edge, (*slot, crossing.t))).collect();
         let mut vertices = HashMap::new();
         for triangle in 0..self.topology.triangles.len() {
             let corners = self.topology.triangles[triangle];
-            let crossed: Vec<(usize, (u32, f32))> = (0..3)
-                .filter_map(|side| {
-                    let [a, b] = [corners[side], corners[(side + 1) % 3]];
-                    let (slot, t) = *at.get(&[a.min(b), a.max(b)])?;
-                    // t from the side's first corner on.
-                    Some((side, (slot, if a < b { t } else { 1.0 - t })))
-                })
-                .collect();
+            let crossing = |side: usize| {
+                let [a, b] = [corners[side], corners[(side + 1) % 3]];
+                if !is_end[a as usize] || !is_end[b as usize] {
+                    return None;
+                }
+                let at = crossings.binary_search_by_key(&[a.min(b), a.max(b)], |crossing| crossing.edge).ok()?;
+                let t = crossings[at].t;
+                // t from the side's first corner on.
+                Some((side, (born[at], if a < b { t } else { 1.0 - t })))
+            };
+            let crossed: Vec<(usize, (u32, f32))> = (0..3).filter_map(crossing).collect();
             if !crossed.is_empty() {
                 self.divide_triangle(triangle, &crossed, &mut vertices);
             }
@@ -218,12 +221,12 @@ impl<'a> Surgery<'a> {
             self.fans.insert(*slot, left);
         }
         self.touched.extend(&around);
-        self.part_all(around, |_, _| false);
+        self.part_all(around, |_, _, _| false);
     }
 
     /// Parts the fan of each of `slots` where `between` says that two of its triangles that share an edge part, and then
     /// wherever fans do not hang together any more.
-    pub fn part_all(&mut self, mut slots: Vec<u32>, between: impl Fn(u32, u32) -> bool) {
+    pub fn part_all(&mut self, mut slots: Vec<u32>, between: impl Fn(&Topology, u32, u32) -> bool) {
         slots.sort_unstable();
         slots.dedup();
         // Which triangles part is asked of the edges as they are now: parting one end must not hide it from the other.
@@ -234,18 +237,18 @@ impl<'a> Surgery<'a> {
         }
         // What is left in one piece by them may have come apart around its neighbours.
         while let Some(slot) = waiting.pop() {
-            let groups = self.groups(slot, &|_, _| false);
+            let groups = self.groups(slot, &|_: &Topology, _, _| false);
             self.part(slot, groups, &mut waiting);
         }
     }
 
     /// The triangles around `slot`, those that hang together by edges each a group; the group of the first triangle first.
-    fn groups(&mut self, slot: u32, between: &impl Fn(u32, u32) -> bool) -> Vec<Vec<u32>> {
+    fn groups(&mut self, slot: u32, between: &impl Fn(&Topology, u32, u32) -> bool) -> Vec<Vec<u32>> {
         let fan = self.fan(slot);
         let mut group: Vec<usize> = (0..fan.len()).collect();
         for i in 0..fan.len() {
             for k in i + 1..fan.len() {
-                if self.share_edge_at(fan[i], fan[k], slot) && !between(fan[i], fan[k]) {
+                if self.share_edge_at(fan[i], fan[k], slot) && !between(self.topology, fan[i], fan[k]) {
                     let (from, to) = (group[i].max(group[k]), group[i].min(group[k]));
                     group.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
                 }
@@ -305,29 +308,16 @@ impl<'a> Surgery<'a> {
         let topology = self.topology;
         if !self.removed.is_empty() {
             self.removed.resize(topology.triangles.len(), false);
-            let removed = &self.removed;
-            retain(&mut topology.triangles, removed);
-            retain(&mut topology.triangle_vertices, removed);
-            retain(&mut topology.triangle_rest, removed);
-            retain(&mut self.halves, removed);
-            retain(&mut self.change.triangles, removed);
+            renew::take_out(topology, &self.removed);
+            renew::retain(&mut self.halves, &self.removed);
+            renew::retain(&mut self.change.triangles, &self.removed);
         }
         let slots = topology.slots();
         topology.weave = topology
             .grid
             .map(|grid| Box::new(Weave::new(&grid, &topology.triangles, std::mem::take(&mut self.halves))));
-        renew_areas(topology, self.touched, &mut self.change);
-        let sides = hinge::sides(&topology.triangles);
-        topology.edges.clear();
-        topology.edges.extend(hinge::by_edge(&sides).map(|shared| shared[0].edge));
-        (topology.hinges, topology.hinge_triangles) = hinge::hinges(&topology.triangles, &sides).unzip();
-        let rest = &topology.rest;
-        topology.hinge_rest.clear();
-        let is_flat = topology.grid.is_some();
-        topology.hinge_rest.extend(topology.hinges.iter().map(|hinge| {
-            let [a, b, c, d] = hinge.map(|slot| rest[slot as usize]);
-            if is_flat { 0.0 } else { hinge::hinge_angle(a, b, c, d) }
-        }));
+        renew::areas(topology, self.touched, &mut self.change);
+        renew::edges(topology, &self.change.touched);
         self.change.slots = slots;
         Some(self.change)
     }
@@ -340,38 +330,4 @@ struct Point {
     vertex: u32,
     /// In the triangle's weft and warp coordinates, m.
     flat: Vec2,
-}
-
-fn retain<T>(all: &mut Vec<T>, removed: &[bool]) {
-    let mut removed = removed.iter();
-    all.retain(|_| !removed.next().copied().unwrap_or(false));
-}
-
-/// Sums up anew the areas of the particles that were touched, and notes those that are gone.
-fn renew_areas(topology: &mut Topology, mut touched: Vec<u32>, change: &mut Change) {
-    touched.sort_unstable();
-    touched.dedup();
-    let mut is_touched = vec![false; topology.slots()];
-    let mut was_there = Vec::with_capacity(touched.len());
-    for slot in &touched {
-        is_touched[*slot as usize] = true;
-        was_there.push(topology.area[*slot as usize] > 0.0);
-        topology.area[*slot as usize] = 0.0;
-    }
-    for triangle in 0..topology.triangles.len() {
-        let corners = topology.triangles[triangle];
-        if corners.iter().any(|slot| is_touched[*slot as usize]) {
-            for (slot, area) in corners.into_iter().zip(topology.corner_areas(triangle as u32)) {
-                if is_touched[slot as usize] {
-                    topology.area[slot as usize] += area;
-                }
-            }
-        }
-    }
-    change.gone.extend(
-        (touched.into_iter().zip(was_there))
-            .filter(|(slot, was_there)| *was_there && topology.area[*slot as usize] <= 0.0)
-            .map(|(slot, _)| slot),
-    );
-    change.touched = is_touched;
 }

@@ -1,6 +1,8 @@
 //! What the tests of the solver share.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub mod damage;
+
 use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};

@@ -1,0 +1,192 @@
+//! Cloth that tears: at which load, how far, and what stays as it was.
+
+mod common;
+
+use cloth_solver::Fabric;
+use cloth_solver::constraint::Grab;
+use cloth_solver::damage::{Direction, Tear, Tearing};
+use common::damage::*;
+use common::*;
+use glam::{Quat, Vec3};
+
+/// A strip held at the top and pulled down by weights on its lower row, more and more, until it tears; the pull, N.
+fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let sheet = rectangle(0.3, 0.3, 15, 15, &fabric);
+    let mut cloth = if mesh { as_mesh(&sheet, &fabric) } else { sheet };
+    if notched {
+        cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01])).unwrap();
+    }
+    let row = |y: f32| -> Vec<u32> {
+        let rest = |slot: &u32| cloth.topology.rest[*slot as usize].y;
+        cloth.topology.particles().filter(|slot| (rest(slot) - y).abs() < 1e-3).collect()
+    };
+    let (top, bottom) = (row(0.15), row(-0.15));
+    pin_top(&mut cloth, top);
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    for tick in 0..400 {
+        let pull = 0.5 * tick as f32;
+        let area = |slot: &u32| cloth.topology.area[*slot as usize];
+        let total: f32 = bottom.iter().map(area).sum();
+        for (slot, share) in bottom.iter().map(|slot| (*slot, area(slot) / total)).collect::<Vec<_>>() {
+            cloth.particles.add_force(slot as usize, Vec3::NEG_Y * (pull * share));
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        if cloth.tear(&mut tear, &tearing).is_some() {
+            assert_sound(&cloth);
+            return Some(pull);
+        }
+    }
+    None
+}
+
+#[test]
+fn a_notched_sheet_tears_at_a_lower_load_than_a_whole_one() {
+    for mesh in [false, true] {
+        let (whole, notched) = (pull_apart(false, mesh).unwrap(), pull_apart(true, mesh).unwrap());
+        // A strip 0.3 m wide that takes 400 N/m.
+        assert!((whole / 120.0 - 1.0).abs() < 0.15, "the whole one tears at {whole} N");
+        assert!(notched < 0.8 * whole, "the notched one at {notched} N, the whole one at {whole} N");
+    }
+}
+
+#[test]
+fn a_tear_runs_on_until_the_sheet_is_in_two() {
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let mut cloth = rectangle(0.3, 0.3, 15, 15, &fabric);
+    cloth.cut(&blade([-0.2, 0.01], [-0.05, 0.01])).unwrap();
+    let (old_mass, old_area) = (mass(&cloth), area(&cloth.topology));
+    pin_top(&mut cloth, 0..=15);
+    let grid = cloth.topology.grid.unwrap();
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    for _ in 0..240 {
+        for column in 0..=15 {
+            cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 5.0);
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        cloth.tear(&mut tear, &tearing);
+        assert!(cloth.particles.is_finite());
+    }
+    assert_sound(&cloth);
+    assert!(cloth.topology.pieces().triangles.len() >= 2);
+    assert!((mass(&cloth) / old_mass - 1.0).abs() < 1e-5 && (area(&cloth.topology) / old_area - 1.0).abs() < 1e-5);
+    let below = cloth.particles.position.y[grid.slot(15, 7) as usize];
+    assert!(below < -1.0, "the lower half falls: {below} m");
+}
+
+#[test]
+fn what_a_crack_points_at_is_weak_and_what_it_has_passed_is_as_strong_as_it_was() {
+    let mut cloth = rectangle(0.3, 0.3, 15, 15, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    pin_top(&mut cloth, 0..=15);
+    let grid = cloth.topology.grid.unwrap();
+    let painted: Vec<f32> = (0..cloth.topology.slots()).map(|slot| if slot % 2 == 0 { 0.8 } else { 0.6 }).collect();
+    let mut tear = Tear::new(&cloth.topology, painted.clone());
+    let tearing = Tearing { strength: 400.0, splits: 1, weakening: 0.5 };
+    let mut splits = 0;
+    for _ in 0..240 {
+        // A hand's breadth of the lower edge is pulled.
+        for column in 5..=10 {
+            cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 20.0);
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        let Some(torn) = cloth.tear(&mut tear, &tearing) else { continue };
+        let parted = torn.splits[0].particle;
+        let copy = torn.change.born[0];
+        for slot in [parted, copy.slot] {
+            let ancestor = if slot == copy.slot { copy.parents[0] } else { slot };
+            if let Some(painted) = painted.get(ancestor as usize) {
+                assert_eq!(tear.strength(slot as usize), *painted, "the lip of a crack");
+            }
+        }
+        let weakened = (painted.iter().enumerate()).filter(|(slot, painted)| tear.strength(*slot) == **painted * 0.5);
+        assert!(weakened.count() > 0, "the tips of a crack");
+        splits += 1;
+    }
+    assert!(splits > 5, "{splits} particles parted");
+}
+
+#[test]
+fn a_hand_that_pulls_at_the_middle_of_a_curtain_rips_it_right_across() {
+    let mut cloth = rectangle(1.0, 1.0, 32, 32, &Fabric::COTTON_POPLIN);
+    pin_top(&mut cloth, 0..=32);
+    // Two hundredths of what poplin bears, as a game would have it.
+    let tearing = Tearing { strength: 240.0, splits: 4, weakening: 0.5 };
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let middle =
+        |corners: &[u32; 3]| corners.iter().map(|slot| cloth.topology.rest[*slot as usize]).sum::<Vec3>() / 3.0;
+    let off = |at: &usize| middle(&cloth.topology.triangles[*at]).length();
+    let mut held = (0..cloth.topology.triangles.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+    let mut from = middle(&cloth.topology.triangles[held]);
+    for _ in 0..90 {
+        let to = from + Vec3::new(0.0, -1.2, 0.36) * TICK.dt;
+        let particles = cloth.topology.triangles[held];
+        let grab = Grab { particles, weights: [1.0 / 3.0; 3], from, to, stiffness: 200.0, max_force: 20.0 };
+        cloth.constraints.grabs = vec![grab];
+        cloth.step(TICK, GRAVITY);
+        from = to;
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        if let Some(torn) = cloth.tear(&mut tear, &tearing) {
+            held = torn.change.triangles.iter().position(|source| *source == held as u32).unwrap();
+        }
+    }
+    let pieces = cloth.topology.pieces();
+    let in_hand = pieces.of_slot[cloth.topology.triangles[held][0] as usize];
+    let count = pieces.triangles[in_hand as usize];
+    assert!(pieces.triangles.len() > 1 && count > 200, "a piece of {count} triangles is in the hand");
+}
+
+#[test]
+fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
+    for mesh in [false, true] {
+        for fallen in [100.0, 3000.0, 1e5] {
+            let sheet = rectangle(0.5, 0.5, 24, 24, &Fabric::COTTON_POPLIN);
+            let mut cloth = if mesh { as_mesh(&sheet, &Fabric::COTTON_POPLIN) } else { sheet };
+            place(&mut cloth, Quat::from_rotation_x(0.3), Vec3::new(0.4, -fallen, 0.2));
+            cloth.particles.velocity.fill(Vec3::NEG_Y * (2.0 * 9.81 * fallen).sqrt());
+            let mut tear = Tear::new(&cloth.topology, Vec::new());
+            let tearing = Tearing { strength: 120.0, splits: 4, weakening: 0.5 };
+            for tick in 0..90 {
+                cloth.step(TICK, GRAVITY);
+                tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+                let torn = cloth.tear(&mut tear, &tearing).is_some();
+                assert!(!torn, "torn after {fallen} m, mesh: {mesh}, tick {tick}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sheet_torn_to_single_cells_while_held_stays_finite_and_keeps_its_mass() {
+    for mut cloth in both(6, 6) {
+        let old = mass(&cloth);
+        let triangle = cloth.topology.triangles[20];
+        let at = Vec3::new(0.0, 0.3, 0.4);
+        for round in 0..200_u32 {
+            let particles: Vec<u32> = cloth.topology.particles().collect();
+            let slot = particles[(round as usize * 7919) % particles.len()];
+            let pull = if round % 2 == 0 { Direction::Weft } else { Direction::Warp };
+            cloth.tear_at(slot, pull);
+            cloth.constraints.grabs = vec![Grab {
+                particles: triangle,
+                weights: [1.0 / 3.0; 3],
+                from: at,
+                to: at,
+                stiffness: 200.0,
+                max_force: 20.0,
+            }];
+            cloth.step(TICK, GRAVITY);
+            assert!(cloth.particles.is_finite(), "round {round}");
+        }
+        assert_sound(&cloth);
+        assert!(cloth.topology.pieces().triangles.len() > 4);
+        assert!((mass(&cloth) / old - 1.0).abs() < 1e-5);
+    }
+}

@@ -80,6 +80,21 @@ fn internal_friction_stills_a_flapping_cloth_and_not_a_falling_one() {
 }
 
 #[test]
+fn internal_friction_leaves_a_spinning_cloth_its_spin() {
+    let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    let spin = Vec3::new(0.4, 1.0, 2.0);
+    for p in 0..cloth.topology.slots() {
+        cloth.particles.velocity.set(p, spin.cross(cloth.topology.rest[p]));
+    }
+    let start = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    for _ in 0..60 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let left = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    assert!((left - start).length() < 1e-4 * start.length(), "{left} of {start}");
+}
+
+#[test]
 fn two_runs_give_the_same_bits() {
     let run_once = || {
         let mut cloth = rectangle(1.0, 1.0, 30, 30, &Fabric::COTTON_POPLIN);
@@ -103,6 +118,13 @@ fn jolted(cells: u32, way: Vec3) -> cloth_solver::Cloth {
     cloth
 }
 
+/// Root mean square over all edges of the velocity of one end relative to the other, m/s.
+fn rms_jitter(cloth: &cloth_solver::Cloth) -> f32 {
+    let v = |p: u32| cloth.particles.velocity.get(p as usize);
+    let edges = &cloth.topology.edges;
+    (edges.iter().map(|[a, b]| v(*a).distance_squared(v(*b))).sum::<f32>() / edges.len() as f32).sqrt()
+}
+
 #[test]
 fn cloth_crushed_within_its_own_plane_buckles_out_of_it_and_comes_to_rest() {
     let mut cloth = jolted(31, Vec3::NEG_Y * 0.5);
@@ -110,8 +132,9 @@ fn cloth_crushed_within_its_own_plane_buckles_out_of_it_and_comes_to_rest() {
     let stored = measure::elastic_energy(&cloth.topology, &cloth.particles, &Fabric::COTTON_POPLIN);
     assert!(stored < 1.0, "{stored} J jammed in it");
     run(&mut cloth, 7.0);
-    let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
-    assert!(speed < 0.03, "{speed} m/s eight seconds after");
+    // It swings on its pins, as a whole: that is no motion within the fabric.
+    let jitter = rms_jitter(&cloth);
+    assert!(jitter < 0.02, "neighbours part at {jitter} m/s eight seconds after");
 }
 
 #[test]

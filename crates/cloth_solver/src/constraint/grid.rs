@@ -225,9 +225,9 @@ impl GridConstraints {
         (sum / f64::from(count.max(1))).sqrt() as f32
     }
 
-    /// Whether the cell whose upper left corner is `slot` lies where it was made.
-    pub fn is_whole(&self, slot: u32) -> bool {
-        self.cell_mask[slot as usize] > 0.0
+    /// 1 for each cell that lies where it was made, per slot of its upper left corner, else 0.
+    pub fn cell_mask(&self) -> &[f32] {
+        &self.cell_mask
     }
 
     /// Whether all particles of the rectangle have the same of these coordinates.

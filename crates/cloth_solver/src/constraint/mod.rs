@@ -279,7 +279,8 @@ impl Constraints {
     /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
     pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
-            damping::damp(particles, self.pieces.as_ref(), &mut self.bodies, self.damping, dt);
+            let (pieces, bodies, rate) = (self.pieces.as_ref(), &mut self.bodies, self.damping);
+            dispatch!(*LEVEL, simd => damping::damp(simd, particles, pieces, bodies, rate, dt));
         }
     }
 }

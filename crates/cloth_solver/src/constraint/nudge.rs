@@ -33,9 +33,23 @@ pub(super) fn nudge(grid: &GridConstraints, particles: &mut Particles) {
 fn is_crushed(constraints: &GridConstraints, position: &Soa3) -> bool {
     let grid = constraints.grid;
     let limit = grid.spacing * grid.spacing * (4.0 * CRUSHED * CRUSHED);
-    grid.cells().map(|(row, column)| grid.cell(row, column)).filter(|cell| constraints.is_whole(cell[0])).any(|cell| {
-        let [p00, p10, p01, p11] = cell.map(|slot| position.get(slot as usize));
-        let (e, f) = (p11 - p00, p10 - p01);
-        (e + f).length_squared() < limit.x || (e - f).length_squared() < limit.y
-    })
+    let (stride, across) = (grid.stride as usize, grid.columns as usize - 1);
+    let mut found = false;
+    for row in 0..grid.rows as usize - 1 {
+        let at = row * stride;
+        let above = [&position.x, &position.y, &position.z].map(|axis| &axis[at..=at + across]);
+        let below = [&position.x, &position.y, &position.z].map(|axis| &axis[at + stride..=at + stride + across]);
+        let whole = &constraints.cell_mask()[at..at + across];
+        // Without an early end, which could not become vector code.
+        for k in 0..across {
+            let (mut weft, mut warp) = (0.0, 0.0);
+            for axis in 0..3 {
+                let (e, f) = (below[axis][k + 1] - above[axis][k], above[axis][k + 1] - below[axis][k]);
+                weft += (e + f) * (e + f);
+                warp += (e - f) * (e - f);
+            }
+            found |= whole[k] > 0.0 && (weft < limit.x || warp < limit.y);
+        }
+    }
+    found
 }

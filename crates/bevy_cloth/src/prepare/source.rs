@@ -12,7 +12,6 @@ use crate::damage::ATTRIBUTE_STRENGTH;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Skin {
     /// Texture coordinates, or empty.
-    #[cfg_attr(not(feature = "render"), expect(dead_code, reason = "for drawing"))]
     pub uvs: Vec<Vec2>,
     /// Vertex colours, or empty.
     pub colors: Vec<[f32; 4]>,

@@ -6,8 +6,9 @@
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
-use crate::Particles;
+use crate::lanes::LANES;
 use crate::topology::Pieces;
+use crate::{Particles, Soa3};
 
 /// The motion of one piece as if it were rigid.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,16 +36,46 @@ struct Sums {
     angular: DVec3,
 }
 
-impl Sums {
+/// [`Sums`] in eight lanes, that compile to vector code: a single sum of floats may not be taken out of order.
+#[derive(Clone, Copy, Default)]
+struct Moments([[f64; LANES]; 16]);
+
+impl Moments {
+    /// Adds eight particles.
     #[inline(always)]
-    fn add(&mut self, m: f64, x: DVec3, v: DVec3) {
-        let p = x * m;
-        self.mass += m;
-        self.first += p;
-        self.squares += p * x;
-        self.products += DVec3::new(p.y * x.z, p.z * x.x, p.x * x.y);
-        self.momentum += v * m;
-        self.angular += p.cross(v);
+    fn add(&mut self, m: &[f64; LANES], [x, y, z]: &[[f64; LANES]; 3], [u, v, w]: &[[f64; LANES]; 3]) {
+        let mut p = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            p[0][lane] = m[lane] * x[lane];
+            p[1][lane] = m[lane] * y[lane];
+            p[2][lane] = m[lane] * z[lane];
+        }
+        let [px, py, pz] = &p;
+        let sums = &mut self.0;
+        for lane in 0..LANES {
+            sums[0][lane] += m[lane];
+            sums[1][lane] += px[lane];
+            sums[2][lane] += py[lane];
+            sums[3][lane] += pz[lane];
+        }
+        add_products(&mut sums[4], px, x);
+        add_products(&mut sums[5], py, y);
+        add_products(&mut sums[6], pz, z);
+        add_products(&mut sums[7], py, z);
+        add_products(&mut sums[8], pz, x);
+        add_products(&mut sums[9], px, y);
+        add_products(&mut sums[10], m, u);
+        add_products(&mut sums[11], m, v);
+        add_products(&mut sums[12], m, w);
+        add_crossed(&mut sums[13], [py, w], [pz, v]);
+        add_crossed(&mut sums[14], [pz, u], [px, w]);
+        add_crossed(&mut sums[15], [px, v], [py, u]);
+    }
+
+    fn sums(&self) -> Sums {
+        let sum = self.0.map(|lanes| lanes.iter().sum::<f64>());
+        let at = |k: usize| DVec3::from_slice(&sum[k..]);
+        Sums { mass: sum[0], first: at(1), squares: at(4), products: at(7), momentum: at(10), angular: at(13) }
     }
 }
 
@@ -97,12 +128,18 @@ pub(super) fn damp<S: Simd>(
     bodies.resize(pieces.map_or(1, |pieces| pieces.triangles.len()), Body::default());
     let mut start = 0;
     while let Some((piece, end)) = run(pieces, start, mass.len()) {
-        let mut sums = Sums::default();
-        for i in start..end {
-            let m = if inverse_mass[i] > 0.0 { mass[i] } else { 0.0 };
-            let at = DVec3::new(f64::from(x.x[i]), f64::from(x.y[i]), f64::from(x.z[i]));
-            sums.add(f64::from(m), at, DVec3::new(f64::from(v.x[i]), f64::from(v.y[i]), f64::from(v.z[i])));
+        let mut moments = Moments::default();
+        for i in (start..end).step_by(LANES) {
+            let len = LANES.min(end - i);
+            let (mut m, mut at, mut velocity) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+            for k in 0..len {
+                m[k] = if inverse_mass[i + k] > 0.0 { f64::from(mass[i + k]) } else { 0.0 };
+            }
+            widen(&mut at, x, i, len);
+            widen(&mut velocity, v, i, len);
+            moments.add(&m, &at, &velocity);
         }
+        let sums = moments.sums();
         if let Some(body) = bodies.get_mut(piece) {
             body.sums += sums;
         }
@@ -124,6 +161,31 @@ pub(super) fn damp<S: Simd>(
             v.z[i] += (d.z + (s.x * ry - rx * s.y) - v.z[i]) * fade;
         }
         start = end;
+    }
+}
+
+#[inline(always)]
+fn add_products(sum: &mut [f64; LANES], a: &[f64; LANES], b: &[f64; LANES]) {
+    for lane in 0..LANES {
+        sum[lane] += a[lane] * b[lane];
+    }
+}
+
+#[inline(always)]
+fn add_crossed(sum: &mut [f64; LANES], [a, b]: [&[f64; LANES]; 2], [c, d]: [&[f64; LANES]; 2]) {
+    for lane in 0..LANES {
+        sum[lane] += a[lane] * b[lane] - c[lane] * d[lane];
+    }
+}
+
+/// Writes `vectors[i..i + len]` to the first lanes.
+#[inline(always)]
+fn widen(lanes: &mut [[f64; LANES]; 3], vectors: &Soa3, i: usize, len: usize) {
+    let [x, y, z] = lanes;
+    for (lanes, axis) in [(x, &vectors.x), (y, &vectors.y), (z, &vectors.z)] {
+        for (wide, narrow) in lanes.iter_mut().zip(&axis[i..i + len]) {
+            *wide = f64::from(*narrow);
+        }
     }
 }
 

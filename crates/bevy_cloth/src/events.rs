@@ -96,6 +96,10 @@ pub struct ClothCut {
 pub struct PiecesSeparated {
     /// The cloth.
     pub entity: Entity,
+    /// The first particle of a piece that is new.
+    pub particle: u32,
+    /// Where it stands in the world, m.
+    pub position: Vec3,
     /// How many pieces it consists of now.
     pub pieces: u32,
 }
@@ -107,6 +111,10 @@ pub struct PiecesSeparated {
 pub struct DebrisGone {
     /// The cloth.
     pub entity: Entity,
+    /// A corner of the first of their triangles.
+    pub particle: u32,
+    /// Where it stood in the world, m.
+    pub position: Vec3,
     /// How many triangles they had.
     pub triangles: u32,
 }
@@ -166,7 +174,8 @@ pub struct ClothBurntOut {
     pub position: Vec3,
 }
 
-/// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works while the clock is paused.
+/// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works
+/// while the clock is paused.
 ///
 /// ```
 /// # use bevy::prelude::*;

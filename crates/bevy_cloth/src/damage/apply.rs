@@ -40,7 +40,8 @@ impl WholeItem<'_, '_> {
         self.frame.to_world(self.particles.position.get(slot as usize))
     }
 
-    /// Takes over `now`, which the topology became by `change`. Nothing else has followed it yet, not even the memory of loads.
+    /// Takes over `now`, which the topology became by `change`. Nothing else has followed it yet, not even the memory of
+    /// loads.
     pub fn become_(&mut self, now: Arc<Topology>, change: &Change, commands: &mut Commands) {
         damage::follow(&self.topology.0, &now, change, &mut self.particles, &mut self.constraints);
         self.history.position.follow(change);
@@ -61,6 +62,7 @@ impl WholeItem<'_, '_> {
         let before = self.pieces.as_ref().map_or(1, |pieces| pieces.pieces.len());
         let pieces = ClothPieces::new(&now, &self.constraints, self.pieces.as_deref());
         let count = pieces.pieces.len();
+        let newcomer = pieces.newcomer(self.pieces.as_deref()).filter(|_| count > before);
         match &mut self.pieces {
             Some(known) => **known = pieces,
             None => {
@@ -68,8 +70,9 @@ impl WholeItem<'_, '_> {
             }
         }
         self.topology.0 = now;
-        if count > before {
-            report(commands, PiecesSeparated { entity: self.entity, pieces: count as u32 });
+        if let Some(particle) = newcomer {
+            let (entity, position) = (self.entity, self.place(particle));
+            report(commands, PiecesSeparated { entity, particle, position, pieces: count as u32 });
         }
     }
 }

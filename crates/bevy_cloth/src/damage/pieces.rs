@@ -61,6 +61,17 @@ impl ClothPieces {
         Self { pieces, of_slot }
     }
 
+    /// The first particle of a piece that was no piece `before`, or not one of its own.
+    pub(crate) fn newcomer(&self, before: Option<&Self>) -> Option<u32> {
+        let mut known: Vec<u32> = Vec::with_capacity(self.pieces.len());
+        (self.pieces.iter().map(|piece| piece.particle)).find(|particle| {
+            let was = before.map_or(Some(&0), |before| before.of_slot.get(*particle as usize));
+            let Some(was) = was.filter(|was| **was != u32::MAX && !known.contains(was)) else { return true };
+            known.push(*was);
+            false
+        })
+    }
+
     /// The box around piece `piece` where particles stand at `position`, cloth frame, m.
     pub fn bounds(&self, piece: u32, position: &Soa3) -> (Vec3, Vec3) {
         let of_piece = self.of_slot.iter().enumerate().filter(|(_, known)| **known == piece);
@@ -95,10 +106,15 @@ pub(crate) fn clear_debris(
             .filter(|(_, corners)| over[of_slot[corners[0] as usize] as usize])
             .map(|(triangle, _)| triangle as u32)
             .collect();
+        let particle = cloth.topology.triangles[gone[0] as usize][0];
+        let position = cloth.place(particle);
         let mut now = cloth.topology.0.clone();
         if let Some(change) = damage::remove(std::sync::Arc::make_mut(&mut now), &gone) {
             cloth.become_(now, &change, &mut commands);
-            report(&mut commands, DebrisGone { entity: cloth.entity, triangles: gone.len() as u32 });
+            report(
+                &mut commands,
+                DebrisGone { entity: cloth.entity, particle, position, triangles: gone.len() as u32 },
+            );
         }
     }
 }

@@ -20,7 +20,7 @@ use bevy::tasks::block_on;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_cloth::{Cloth, ClothPlugin, Pins};
+use bevy_cloth::{Cloth, ClothFlames, ClothPlugin, Flammable, IgniteCloth, Pins};
 
 const WIDTH: u32 = 320;
 const HEIGHT: u32 = 240;
@@ -63,6 +63,28 @@ fn a_second_of_falling_is_seen() {
     assert!(changed * 5 > cloth, "only {changed} of {cloth} pixels changed");
     let corner = |offset: Vec2| offset.distance(Vec2::new(-0.5, 0.5) * PIXELS_PER_METRE) < 6.0;
     assert!(after.green_share(corner) > 0.1, "the pinned corner is not where it was");
+}
+
+#[test]
+fn flames_are_seen_and_light_the_cloth() {
+    let mut studio = Studio::new(Pins::top());
+    // The lamp is behind the cloth, so that the front is dark.
+    let dark = studio.picture(FRONT, BEHIND);
+    let world = studio.app.world_mut();
+    let cloth = world.query_filtered::<Entity, With<Cloth>>().single(world).expect("a cloth");
+    world.entity_mut(cloth).insert(Flammable::default());
+    let lighter = IgniteCloth { entity: cloth, position: Vec3::new(0.0, -0.5, 0.0), radius: 0.1 };
+    studio.app.update();
+    studio.app.world_mut().trigger(lighter);
+    studio.run(Duration::from_millis(500));
+    let burning = studio.picture(FRONT, BEHIND);
+    studio.app.world_mut().entity_mut(cloth).insert(ClothFlames::Hidden);
+    let hidden = studio.picture(FRONT, BEHIND);
+    assert_eq!(dark.warm_pixels(), 0);
+    assert!(burning.warm_pixels() > 100, "{} pixels of flame", burning.warm_pixels());
+    assert!(hidden.warm_pixels() * 10 < burning.warm_pixels(), "{} are left of them", hidden.warm_pixels());
+    let [lit, unlit] = [&burning, &hidden].map(Picture::brightness_of_cloth);
+    assert!(lit > 1.5 * unlit.max(0.001), "by its flames {lit}, without {unlit}");
 }
 
 /// A cloth, a lamp and a camera, without a window.
@@ -159,9 +181,10 @@ fn renderer() -> RenderResources {
     )
 }
 
-/// Which pixels are green, and how bright they are, row by row from the top left.
+/// Which pixels are green or of the colours of fire, and how bright their green is, row by row from the top left.
 struct Picture {
     is_green: Vec<bool>,
+    is_warm: Vec<bool>,
     brightness: Vec<f32>,
 }
 
@@ -173,6 +196,7 @@ impl Picture {
             .collect();
         Self {
             is_green: colors.iter().map(|c| c.green > 0.002 && c.green > 3.0 * c.red.max(c.blue)).collect(),
+            is_warm: colors.iter().map(|c| c.red > 0.05 && c.red > c.green && c.green > c.blue).collect(),
             brightness: colors.iter().map(|c| c.green).collect(),
         }
     }
@@ -187,6 +211,11 @@ impl Picture {
             self.is_green.iter().enumerate().filter(|(i, _)| choose(offset(*i))).map(|(_, green)| *green).collect();
         assert!(!chosen.is_empty(), "no pixel was chosen");
         chosen.iter().filter(|green| **green).count() as f32 / chosen.len() as f32
+    }
+
+    /// Number of pixels that are red to yellow.
+    fn warm_pixels(&self) -> usize {
+        self.is_warm.iter().filter(|is_warm| **is_warm).count()
     }
 
     /// Mean linear brightness of the middle of the picture, where the cloth is.

@@ -5,13 +5,10 @@ pub mod xpbd;
 
 #[cfg(feature = "ecs")]
 use bevy_reflect::prelude::ReflectDefault;
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch};
 
 use crate::Particles;
 use crate::cloth::Substep;
 use crate::constraint::Constraints;
-use crate::lanes::{LANES, LEVEL, load, splat, store};
 
 /// How a cloth is advanced in time.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
@@ -91,27 +88,7 @@ pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Sub
         xpbd::solve(particles, constraints, sub);
     }
     if sub.end == 1.0 {
-        dispatch!(*LEVEL, simd => drop_next_to_nothing(simd, particles));
         constraints.nudge(particles);
         constraints.damp(particles, sub.h / (sub.end - sub.start));
-    }
-}
-
-/// Coordinates nearer to 0 than this, m, and speeds, m/s, are 0: a thousandth of the size of an atom's nucleus. A swing never
-/// quite ends, and where the squares of what is left of it are no normal numbers any more, a tick takes twice as long.
-const NOTHING: f32 = 1e-17;
-
-/// Once a tick, because nothing that grows so slowly could come back in one.
-#[inline(always)]
-fn drop_next_to_nothing<S: Simd>(simd: S, particles: &mut Particles) {
-    let (zero, nothing) = (splat(simd, 0.0), splat(simd, NOTHING));
-    let Particles { position, velocity, .. } = particles;
-    for vectors in [position, velocity] {
-        for numbers in [&mut vectors.x, &mut vectors.y, &mut vectors.z] {
-            for at in (0..numbers.len()).step_by(LANES) {
-                let number = load(simd, numbers, at);
-                store(number.abs().simd_lt(nothing).select(zero, number), numbers, at);
-            }
-        }
     }
 }

@@ -81,17 +81,31 @@ fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
     }
 }
 
+/// Moves nearer to 0 than this, m, are 0: a hundredth of the size of an atom's nucleus. A swing never quite ends, and a pull at
+/// one place fades without end over the others; where what is left are no normal numbers any more, a tick takes twice as long.
+const NOTHING: f32 = 1e-17;
+
 /// `x += Δx`, `v = Δx/h`.
 #[inline(always)]
 fn take_velocities<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
     let Particles { position, moved, previous, velocity, inverse_mass, .. } = particles;
     let step = splat(simd, h);
     for i in groups(inverse_mass) {
-        let (x, moved) = (Vec3x8::load(simd, position, i), Vec3x8::load(simd, moved, i));
+        let (x, moved) = (Vec3x8::load(simd, position, i), without_next_to_nothing(simd, Vec3x8::load(simd, moved, i)));
         x.store(previous, i);
         (x + moved).store(position, i);
         // Divided, not multiplied by 1/h, whose rounding would add to the speed of everything in every substep.
         Vec3x8 { x: moved.x / step, y: moved.y / step, z: moved.z / step }.store(velocity, i);
+    }
+}
+
+#[inline(always)]
+fn without_next_to_nothing<S: Simd>(simd: S, v: Vec3x8<S>) -> Vec3x8<S> {
+    let (zero, nothing) = (splat(simd, 0.0), splat(simd, NOTHING));
+    Vec3x8 {
+        x: v.x.abs().simd_lt(nothing).select(zero, v.x),
+        y: v.y.abs().simd_lt(nothing).select(zero, v.y),
+        z: v.z.abs().simd_lt(nothing).select(zero, v.z),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The constraints of a grid: cells, then rows, then columns; and of what was taken apart, the same in lists.
 
-use fearless_simd::prelude::*;
+mod solve;
+mod sweep;
+
 use fearless_simd::{Simd, f32x8};
 
 use super::cells::{CellModel, Cells, ShearModel};
@@ -8,20 +10,16 @@ use super::force::Woven;
 use super::lines::{self, Block, Rows};
 use super::listed::Work;
 use super::patch::Patch;
-use super::shear::{Sheet, Stress};
-use super::sweep::{self, Compliance};
+use super::shear::Stress;
+use super::sweep::Compliance;
 use super::tension::Sums;
 use super::wear::{Wear, Worn, WornGrid};
 use crate::lanes::{LANES, load, splat, store};
 use crate::topology::Along;
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
-/// T h²/(m l) that a particle under a lasting load is given the inertia for. Warp and weft are solved one after the other,
-/// so where both carry much they leave a strain of this order times the ratio of their loads' change over an edge.
-const STATIC_LOAD: f32 = 0.25;
-
-// A particle that has the inertia its load asks for must still count as loaded, or it would lose it again.
-const _: () = assert!(STATIC_LOAD > lines::EXPLICIT_LOAD);
+pub(super) use solve::largest;
+pub(super) use sweep::Sweep;
 
 /// α̃ of the links and bends of runs of one spacing wide, and their spacing.
 #[derive(Clone, Copy, Debug)]
@@ -45,15 +43,6 @@ impl Stiffness {
         };
         Compliance { stretch: splat(simd, self.stretch), bend }
     }
-}
-
-/// How a grid is swept.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Sweep {
-    /// With the fabric's compliance, in a substep of length `h`, s.
-    Compliant { h: f32 },
-    /// Without any: distances to neighbours, right angles, and distances to the neighbours but one against bending.
-    Rigid,
 }
 
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
@@ -259,125 +248,6 @@ impl GridConstraints {
         }
     }
 
-    /// Swept in colours: of XPBD once, of PBD, which knows no compliance, as often as asked.
-    #[inline(always)]
-    pub fn sweep<S: Simd>(&mut self, simd: S, particles: &mut Particles, how: Sweep) {
-        let shears = self.fabric.shear > 0.0;
-        let (model, weft, warp) = match how {
-            Sweep::Compliant { h } => {
-                let shear = if shears { ShearModel::Constraint(self.shear_compliance(h)) } else { ShearModel::None };
-                let model = CellModel { shear, twist: self.twist_compliance(h) };
-                (model, Some(self.stiffness(Along::Weft, h)), Some(self.stiffness(Along::Warp, h)))
-            }
-            // Not quite 0, for which cells that are all pinned or not there would have no solution.
-            Sweep::Rigid => {
-                let shear = if shears { ShearModel::Constraint(1e-20) } else { ShearModel::None };
-                (CellModel { shear, twist: None }, None, None)
-            }
-        };
-        self.solve_cells(simd, particles, model);
-        if let Some(patch) = &mut self.patch {
-            let h = if let Sweep::Compliant { h } = how { h } else { f32::MAX.sqrt() };
-            patch.solve_loose(simd, particles, &self.grid, model, h);
-        }
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
-            self.work.gather_rows(simd, particles, rows, first);
-            let worn = worn(&self.worn, Along::Weft, first, block);
-            let compliance = weft.map(|weft| compliance(simd, weft, &self.row_width, first));
-            let Work { position, moved, inverse_mass, .. } = &mut self.work;
-            sweep::block(simd, block, position, moved, inverse_mass, compliance, worn);
-            scatter(simd, &self.work.moved, &mut particles.moved, rows, first);
-        }
-        if let Some(patch) = &mut self.patch {
-            patch.sweep(simd, Along::Weft, particles, weft, self.grid.spacing.x, &mut self.work);
-        }
-        for base in (0..self.grid.stride as usize).step_by(LANES) {
-            if !is_block(&self.patch, Along::Warp, base) {
-                continue;
-            }
-            let block = self.column_block(base);
-            let worn = worn(&self.worn, Along::Warp, base, block);
-            let compliance = warp.map(|warp| compliance(simd, warp, &self.column_width, base));
-            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
-            sweep::block(simd, block, position, moved, inverse_mass, compliance, worn);
-        }
-        if let Some(patch) = &mut self.patch {
-            patch.sweep(simd, Along::Warp, particles, warp, self.grid.spacing.y, &mut self.work);
-        }
-    }
-
-    #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
-        let Fabric { shear, areal_density, .. } = self.fabric;
-        let mut stress = std::mem::take(&mut self.stress);
-        if shear > 0.0 {
-            let sheet = Sheet { grid: &self.grid, mask: &self.cell_mask, shear, density: areal_density };
-            stress.find(simd, sheet, &particles.position, &particles.inverse_mass, h);
-        }
-        let model = if shear > 0.0 { ShearModel::Stress(&stress.lambda) } else { ShearModel::None };
-        self.solve_cells(simd, particles, CellModel { shear: model, twist: self.twist_compliance(h) });
-        self.stress = stress;
-        let listed = if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(h)) } else { ShearModel::None };
-        let listed = CellModel { shear: listed, twist: self.twist_compliance(h) };
-        if let Some(patch) = &mut self.patch {
-            patch.solve_loose(simd, particles, &self.grid, listed, h);
-        }
-        let (weft, warp) = (self.stiffness(Along::Weft, h), self.stiffness(Along::Warp, h));
-        let mut weft_load = self.solve_rows(simd, particles, weft);
-        if let Some(patch) = &mut self.patch {
-            weft_load = weft_load.max(patch.solve(simd, Along::Weft, particles, weft, &mut self.work));
-        }
-        let mut warp_load = self.solve_columns(simd, particles, warp);
-        if let Some(patch) = &mut self.patch {
-            warp_load = warp_load.max(patch.solve(simd, Along::Warp, particles, warp, &mut self.work));
-        }
-        if weft_load > lines::EXPLICIT_LOAD {
-            self.soften_rows(simd, particles);
-        }
-        if warp_load > lines::EXPLICIT_LOAD {
-            self.soften_columns(simd, particles);
-        }
-    }
-
-    #[inline(always)]
-    fn soften_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
-            let Work { moved, inverse_mass, load: inertia, elimination, .. } = &mut self.work;
-            gather(simd, &particles.moved, moved, rows, first);
-            lines::gather_rows(simd, &particles.inverse_mass, inverse_mass, rows, first);
-            let lambda = multipliers(&mut self.weft_lambda, block, first);
-            lines::soften(simd, block, moved, inverse_mass, lambda, elimination);
-            scatter(simd, moved, &mut particles.moved, rows, first);
-            inertia.fill(0.0);
-            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
-            lines::scatter_rows(simd, inertia, &mut particles.load, rows, first);
-        }
-        if let Some(patch) = &self.patch {
-            let spacing = self.grid.spacing.x;
-            patch.soften(simd, Along::Weft, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
-        }
-    }
-
-    #[inline(always)]
-    fn soften_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        for base in (0..self.grid.stride as usize).step_by(LANES) {
-            if !is_block(&self.patch, Along::Warp, base) {
-                continue;
-            }
-            let block = self.column_block(base);
-            let lambda = multipliers(&mut self.warp_lambda, block, base);
-            let Particles { moved, inverse_mass, load: inertia, .. } = &mut *particles;
-            lines::soften(simd, block, moved, inverse_mass, lambda, &mut self.work.elimination);
-            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
-        }
-        if let Some(patch) = &self.patch {
-            let spacing = self.grid.spacing.y;
-            patch.soften(simd, Along::Warp, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
-        }
-    }
-
     #[inline(always)]
     fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel<'_>) {
         let Particles { position, moved, inverse_mass, .. } = particles;
@@ -408,45 +278,6 @@ impl GridConstraints {
     fn column_block(&self, base: usize) -> Block {
         let (stride, count) = (self.grid.stride as usize, self.grid.rows as usize);
         Block { base, stride, count, spacing: self.grid.spacing.y }
-    }
-
-    /// Bending and stretch along the weft.
-    #[inline(always)]
-    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
-        let mut largest = splat(simd, 0.0);
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
-            self.work.gather_rows(simd, particles, rows, first);
-            let compliance = compliance(simd, stiffness, &self.row_width, first);
-            let worn = worn(&self.worn, Along::Weft, first, block);
-            let lambda = multipliers(&mut self.weft_lambda, block, first);
-            let Work { position, moved, inverse_mass, elimination, .. } = &mut self.work;
-            let load_ratio =
-                lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, elimination);
-            largest = largest.max(load_ratio);
-            scatter(simd, moved, &mut particles.moved, rows, first);
-        }
-        largest.reduce_max()
-    }
-
-    /// Bending and stretch along the warp.
-    #[inline(always)]
-    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
-        let mut largest = splat(simd, 0.0);
-        for base in (0..self.grid.stride as usize).step_by(LANES) {
-            if !is_block(&self.patch, Along::Warp, base) {
-                continue;
-            }
-            let block = self.column_block(base);
-            let compliance = compliance(simd, stiffness, &self.column_width, base);
-            let worn = worn(&self.worn, Along::Warp, base, block);
-            let lambda = multipliers(&mut self.warp_lambda, block, base);
-            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
-            let work = &mut self.work.elimination;
-            let load_ratio = lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, work);
-            largest = largest.max(load_ratio);
-        }
-        largest.reduce_max()
     }
 }
 
@@ -533,10 +364,4 @@ fn scatter<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usiz
 /// The multipliers of the block that starts with row or column `first`.
 fn multipliers(lambda: &mut [f32], block: Block, first: usize) -> &mut [f32] {
     &mut lambda[first * block.count..(first + LANES) * block.count]
-}
-
-/// The load of the largest lane.
-#[inline(always)]
-pub(super) fn largest<S: Simd>(load: f32x8<S>) -> f32 {
-    load.reduce_max()
 }

@@ -193,8 +193,24 @@ fn curve(runs: &[Run], scene: &str, by: Contestant) -> [Series; 2] {
 fn look(by: Contestant) -> Look {
     match by {
         Contestant::Ours(method) => Look::of(method),
-        Contestant::Rapier => Look(1),
-        Contestant::RapierCloth => Look(5),
+        Contestant::Rapier => Look(7),
+        Contestant::RapierCloth => Look(8),
         Contestant::RapierClothRigid => Look(9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cloth_solver::Method;
+
+    use super::*;
+
+    #[test]
+    fn every_contestant_looks_different() {
+        let ours = Method::ALL.iter().map(|method| Contestant::Ours(*method));
+        let others = [Contestant::Rapier, Contestant::RapierCloth, Contestant::RapierClothRigid];
+        let mut looks: Vec<usize> = ours.chain(others).map(|by| look(by).0 % Look::COUNT).collect();
+        looks.sort_unstable();
+        assert!(looks.windows(2).all(|pair| pair[0] != pair[1]), "{looks:?}");
     }
 }

@@ -10,6 +10,9 @@ use crate::lanes::LANES;
 use crate::topology::Pieces;
 use crate::{Particles, Soa3};
 
+/// Sums over particles of mass m at x with velocity v: of m, m x, m x², m (y z, z x, x y), m v and m x × v, in this order.
+type Sums = [f64; 16];
+
 /// The motion of one piece as if it were rigid.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Body {
@@ -17,23 +20,6 @@ pub(super) struct Body {
     centre: DVec3,
     drift: DVec3,
     spin: DVec3,
-}
-
-/// Sums over particles of mass m at x with velocity v.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// Σ m.
-    mass: f64,
-    /// Σ m x.
-    first: DVec3,
-    /// Σ m x².
-    squares: DVec3,
-    /// Σ m (y z, z x, x y).
-    products: DVec3,
-    /// Σ m v.
-    momentum: DVec3,
-    /// Σ m x × v.
-    angular: DVec3,
 }
 
 /// [`Sums`] in eight lanes, that compile to vector code: a single sum of floats may not be taken out of order.
@@ -73,31 +59,22 @@ impl Moments {
     }
 
     fn sums(&self) -> Sums {
-        let sum = self.0.map(|lanes| lanes.iter().sum::<f64>());
-        let at = |k: usize| DVec3::from_slice(&sum[k..]);
-        Sums { mass: sum[0], first: at(1), squares: at(4), products: at(7), momentum: at(10), angular: at(13) }
-    }
-}
-
-impl std::ops::AddAssign for Sums {
-    fn add_assign(&mut self, other: Self) {
-        self.mass += other.mass;
-        self.first += other.first;
-        self.squares += other.squares;
-        self.products += other.products;
-        self.momentum += other.momentum;
-        self.angular += other.angular;
+        self.0.map(|lanes| lanes.iter().sum())
     }
 }
 
 impl Body {
     fn new(sums: Sums) -> Self {
-        if sums.mass <= 0.0 {
+        let mass = sums[0];
+        if mass <= 0.0 {
             return Self::default();
         }
-        let (centre, drift) = (sums.first / sums.mass, sums.momentum / sums.mass);
-        let (c, moved) = (centre, DVec3::new(centre.y * centre.z, centre.z * centre.x, centre.x * centre.y));
-        let (s, p) = (sums.squares - c * c * sums.mass, sums.products - moved * sums.mass);
+        let [first, squares, products, momentum, angular] = [1, 4, 7, 10, 13].map(|k| DVec3::from_slice(&sums[k..]));
+        let (c, drift) = (first / mass, momentum / mass);
+        // About the centre.
+        let s = squares - c * c * mass;
+        let p = products - DVec3::new(c.y * c.z, c.z * c.x, c.x * c.y) * mass;
+        let angular = angular - first.cross(drift);
         let inertia = DMat3::from_cols(
             DVec3::new(s.y + s.z, -p.z, -p.y),
             DVec3::new(-p.z, s.z + s.x, -p.x),
@@ -106,9 +83,8 @@ impl Body {
         let size = 2.0 * s.element_sum();
         // Particles on a line resist no rotation about it.
         let singular = inertia.determinant() <= 1e-9 * size * size * size;
-        let about_centre = sums.angular - sums.first.cross(drift);
-        let spin = if singular { DVec3::ZERO } else { inertia.inverse() * about_centre };
-        Self { sums, centre, drift, spin }
+        let spin = if singular { DVec3::ZERO } else { inertia.inverse() * angular };
+        Self { sums, centre: c, drift, spin }
     }
 }
 
@@ -141,7 +117,9 @@ pub(super) fn damp<S: Simd>(
         }
         let sums = moments.sums();
         if let Some(body) = bodies.get_mut(piece) {
-            body.sums += sums;
+            for (sum, more) in body.sums.iter_mut().zip(sums) {
+                *sum += more;
+            }
         }
         start = end;
     }

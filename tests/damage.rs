@@ -87,6 +87,30 @@ fn a_tearable_cloth_rips_under_a_load_and_another_does_not() {
 }
 
 #[test]
+fn a_curtain_is_reinforced_around_its_hooks_as_far_as_it_is_told() {
+    let torn_at = |reinforcement: f32| {
+        let mut app = headless();
+        note_events::<ClothTorn>(&mut app);
+        // 120 N/m, a cell of 0.05 m takes 6 N; each of two hooks carries 15.
+        let hem = PinSelect::Region { min: Vec3::new(-0.6, -0.51, -0.1), max: Vec3::new(0.6, -0.49, 0.1) };
+        let tearable = Tearable { scale: 0.01, reinforcement, reach: 0.12, ..default() };
+        let hooks = Pins::region(Vec3::new(-0.21, 0.49, -0.1), Vec3::new(-0.19, 0.51, 0.1))
+            .and(Pins::region(Vec3::new(0.19, 0.49, -0.1), Vec3::new(0.21, 0.51, 0.1)));
+        let cloth = (Cloth::rectangle(1.0, 1.0).with_cells(20, 20), hooks, Weights::one(hem, 3.0), tearable);
+        let cloth = app.world_mut().spawn(cloth).id();
+        run(&mut app, 128);
+        let hooks = [-0.2, 0.2].map(|x| Vec3::new(x, 0.5, 0.0));
+        let away = |place: Vec3| hooks.map(|hook| hook.distance(place)).into_iter().fold(f32::INFINITY, f32::min);
+        let rest = &get::<ClothTopology>(&app, cloth).rest;
+        seen::<ClothTorn>(&app).iter().map(|torn| away(rest[torn.particle as usize])).collect::<Vec<f32>>()
+    };
+    let plain = torn_at(1.0);
+    assert!(plain.first().is_some_and(|away| *away < 0.06), "{plain:?}");
+    let firm = torn_at(1000.0);
+    assert!(firm.first().is_some_and(|away| *away < 0.25) && firm.iter().all(|away| *away > 0.12), "{firm:?}");
+}
+
+#[test]
 fn a_seam_that_is_painted_weak_tears_along_its_whole_length_and_nothing_else_does() {
     const SEAM: f32 = 0.125;
     let mut app = with_meshes();

@@ -40,6 +40,9 @@ fn values(ui: &mut egui::Ui, tearable: &mut Tearable) {
     count(ui, "splits", "Most particles that part in a tick.", &mut tearable.splits);
     let hint = "Factor on the strength ahead of a crack: the lower, the farther a tear runs.";
     widgets::number_row(ui, "weakening", hint, &mut tearable.weakening, Unit::NONE);
+    let hint = "Factor on the strength around a pin: a heading tape, an eyelet.";
+    widgets::number_row(ui, "at pins", hint, &mut tearable.reinforcement, Unit::NONE);
+    widgets::number_row(ui, "pins' reach", "How far around a pin it is as strong.", &mut tearable.reach, Unit::METRES);
     count(ui, "debris", "A loose piece with fewer triangles is taken out in time.", &mut tearable.debris);
     widgets::number_row(ui, "debris stays", "", &mut tearable.debris_lifetime, SECONDS);
 }

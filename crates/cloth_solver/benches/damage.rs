@@ -43,7 +43,7 @@ fn damage(criterion: &mut Criterion) {
     let mut cloth = hung();
     group.bench_function("quiet", |bencher| bencher.iter(|| cloth.step(black_box(TICK), GRAVITY)));
     let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let tearing = Tearing { strength: 1e9, splits: 4, weakening: 0.5 };
+    let tearing = Tearing::at(1e9);
     group.bench_function("watched", |bencher| {
         bencher.iter(|| {
             cloth.step(black_box(TICK), GRAVITY);

@@ -105,7 +105,7 @@ impl Cloth {
     /// Tears what `tear` knows to carry more than `tearing` allows. `None` if nothing does.
     pub fn tear(&mut self, tear: &mut Tear, tearing: &Tearing) -> Option<Torn> {
         let before = self.topology.clone();
-        let torn = tear.tear(&mut self.topology, tearing, &[]);
+        let torn = tear.tear(&mut self.topology, &self.constraints.pins().pins, tearing, &[]);
         if let Some(torn) = &torn {
             tear.follow(&torn.change);
         }

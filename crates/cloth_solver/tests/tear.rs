@@ -2,9 +2,9 @@
 
 mod common;
 
-use cloth_solver::Fabric;
 use cloth_solver::constraint::Grab;
 use cloth_solver::damage::{Direction, Tear, Tearing};
+use cloth_solver::{Cloth, Fabric};
 use common::damage::*;
 use common::*;
 use glam::{Quat, Vec3};
@@ -24,7 +24,7 @@ fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
     let (top, bottom) = (row(0.15), row(-0.15));
     pin_top(&mut cloth, top);
     let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    let tearing = Tearing::at(400.0);
     for tick in 0..400 {
         let pull = 0.5 * tick as f32;
         let area = |slot: &u32| cloth.topology.area[*slot as usize];
@@ -62,7 +62,7 @@ fn a_tear_runs_on_until_the_sheet_is_in_two() {
     pin_top(&mut cloth, 0..=15);
     let grid = cloth.topology.grid.unwrap();
     let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let tearing = Tearing { strength: 400.0, splits: 4, weakening: 0.5 };
+    let tearing = Tearing::at(400.0);
     for _ in 0..240 {
         for column in 0..=15 {
             cloth.particles.add_force(grid.slot(15, column) as usize, Vec3::NEG_Y * 5.0);
@@ -87,7 +87,7 @@ fn what_a_crack_points_at_is_weak_and_what_it_has_passed_is_as_strong_as_it_was(
     let grid = cloth.topology.grid.unwrap();
     let painted: Vec<f32> = (0..cloth.topology.slots()).map(|slot| if slot % 2 == 0 { 0.8 } else { 0.6 }).collect();
     let mut tear = Tear::new(&cloth.topology, painted.clone());
-    let tearing = Tearing { strength: 400.0, splits: 1, weakening: 0.5 };
+    let tearing = Tearing { splits: 1, reinforcement: 1.0, ..Tearing::at(400.0) };
     let mut splits = 0;
     for _ in 0..240 {
         // A hand's breadth of the lower edge is pulled.
@@ -106,11 +106,40 @@ fn what_a_crack_points_at_is_weak_and_what_it_has_passed_is_as_strong_as_it_was(
                 assert_eq!(tear.strength(slot as usize), *painted, "the lip of a crack");
             }
         }
-        let weakened = (painted.iter().enumerate()).filter(|(slot, painted)| tear.strength(*slot) == **painted * 0.5);
+        let is_weak = |(slot, painted): &(usize, &f32)| tear.strength(*slot) == **painted * tearing.weakening;
+        let weakened = painted.iter().enumerate().filter(is_weak);
         assert!(weakened.count() > 0, "the tips of a crack");
         splits += 1;
     }
     assert!(splits > 5, "{splits} particles parted");
+}
+
+/// Pulls for `seconds` at the triangle that lies at `at` at rest, with 20 N at most, until its target has moved by `drawn`, and
+/// holds it for a second more. The rest positions of the particles that part, in order, and the triangle held at last.
+fn pull(cloth: &mut Cloth, tearing: &Tearing, at: Vec3, drawn: Vec3, seconds: f32) -> (Vec<Vec3>, usize) {
+    let middle = |cloth: &Cloth, triangle: usize, places: &dyn Fn(usize) -> Vec3| {
+        cloth.topology.triangles[triangle].iter().map(|slot| places(*slot as usize)).sum::<Vec3>() / 3.0
+    };
+    let off = |triangle: &usize| middle(cloth, *triangle, &|slot| cloth.topology.rest[slot]).distance(at);
+    let mut held = (0..cloth.topology.triangles.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+    let mut from = middle(cloth, held, &|slot| cloth.particles.position.get(slot));
+    let mut tear = Tear::new(&cloth.topology, Vec::new());
+    let mut torn_at = Vec::new();
+    let moving = (seconds / TICK.dt) as u32;
+    for tick in 0..moving + 60 {
+        let to = if tick < moving { from + drawn / moving as f32 } else { from };
+        let particles = cloth.topology.triangles[held];
+        let grab = Grab { particles, weights: [1.0 / 3.0; 3], from, to, stiffness: 200.0, max_force: 20.0 };
+        cloth.constraints.grabs = vec![grab];
+        cloth.step(TICK, GRAVITY);
+        from = to;
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        if let Some(torn) = cloth.tear(&mut tear, tearing) {
+            held = torn.change.triangles.iter().position(|source| *source == held as u32).unwrap();
+            torn_at.extend(torn.splits.iter().map(|split| cloth.topology.rest[split.particle as usize]));
+        }
+    }
+    (torn_at, held)
 }
 
 #[test]
@@ -118,29 +147,61 @@ fn a_hand_that_pulls_at_the_middle_of_a_curtain_rips_it_right_across() {
     let mut cloth = rectangle(1.0, 1.0, 32, 32, &Fabric::COTTON_POPLIN);
     pin_top(&mut cloth, 0..=32);
     // Two hundredths of what poplin bears, as a game would have it.
-    let tearing = Tearing { strength: 240.0, splits: 4, weakening: 0.5 };
-    let mut tear = Tear::new(&cloth.topology, Vec::new());
-    let middle =
-        |corners: &[u32; 3]| corners.iter().map(|slot| cloth.topology.rest[*slot as usize]).sum::<Vec3>() / 3.0;
-    let off = |at: &usize| middle(&cloth.topology.triangles[*at]).length();
-    let mut held = (0..cloth.topology.triangles.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-    let mut from = middle(&cloth.topology.triangles[held]);
-    for _ in 0..90 {
-        let to = from + Vec3::new(0.0, -1.2, 0.36) * TICK.dt;
-        let particles = cloth.topology.triangles[held];
-        let grab = Grab { particles, weights: [1.0 / 3.0; 3], from, to, stiffness: 200.0, max_force: 20.0 };
-        cloth.constraints.grabs = vec![grab];
-        cloth.step(TICK, GRAVITY);
-        from = to;
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
-        if let Some(torn) = cloth.tear(&mut tear, &tearing) {
-            held = torn.change.triangles.iter().position(|source| *source == held as u32).unwrap();
-        }
-    }
+    let (_, held) = pull(&mut cloth, &Tearing::at(240.0), Vec3::ZERO, Vec3::new(0.0, -1.8, 0.54), 1.5);
     let pieces = cloth.topology.pieces();
     let in_hand = pieces.of_slot[cloth.topology.triangles[held][0] as usize];
     let count = pieces.triangles[in_hand as usize];
     assert!(pieces.triangles.len() > 1 && count > 200, "a piece of {count} triangles is in the hand");
+}
+
+/// A velvet curtain on six hooks.
+fn curtain() -> Cloth {
+    let mut cloth = rectangle(2.0, 1.8, 80, 72, &Fabric::VELVET_CURTAIN);
+    pin_top(&mut cloth, [0, 16, 32, 48, 64, 80]);
+    settle(&mut cloth, 3.0);
+    cloth
+}
+
+#[test]
+fn a_curtain_is_dragged_aside_without_leaving_its_hooks_and_rips_at_the_hand() {
+    let hung = curtain();
+    let at = Vec3::new(0.1, -0.3, 0.0);
+    for (drawn, rips) in
+        [([0.2, 0.1, 0.2], false), ([0.4, 0.0, 0.4], true), ([0.7, -0.35, 0.5], true), ([0.0, -0.5, 0.8], true)]
+    {
+        let mut cloth = hung.clone();
+        let (torn_at, _) = pull(&mut cloth, &Tearing::at(180.0), at, drawn.into(), 1.0);
+        assert_eq!(!torn_at.is_empty(), rips, "drawn by {drawn:?}");
+        if let Some(first) = torn_at.first() {
+            assert!(first.distance(at) < 0.1, "drawn by {drawn:?} it first tears at {first}");
+        }
+        assert!(torn_at.iter().all(|place| place.y < 0.8), "drawn by {drawn:?} it tears along the hooks");
+        assert!(cloth.particles.is_finite());
+    }
+}
+
+#[test]
+fn reinforcement_goes_with_the_pins_and_paint_stays() {
+    let mut cloth = rectangle(1.0, 1.0, 20, 20, &Fabric::COTTON_POPLIN);
+    let painted: Vec<f32> = (0..cloth.topology.slots()).map(|slot| if slot % 2 == 0 { 0.8 } else { 1.0 }).collect();
+    let mut tear = Tear::new(&cloth.topology, painted.clone());
+    let expect = |cloth: &Cloth, tear: &Tear, corner: Option<Vec3>, factor: f32| {
+        for slot in cloth.topology.particles().map(|slot| slot as usize) {
+            let is_near = corner.is_some_and(|corner| cloth.topology.rest[slot].distance(corner) < 0.101);
+            let wanted = painted[slot] * if is_near { factor } else { 1.0 };
+            assert!((tear.strength(slot) / wanted - 1.0).abs() < 1e-5, "{slot}: {} for {wanted}", tear.strength(slot));
+        }
+    };
+    let tearing = Tearing::at(1e6);
+    pin_top(&mut cloth, [0]);
+    cloth.tear(&mut tear, &tearing);
+    expect(&cloth, &tear, Some(Vec3::new(-0.5, 0.5, 0.0)), 5.0);
+    pin_top(&mut cloth, [20]);
+    cloth.tear(&mut tear, &Tearing { reinforcement: 0.5, ..tearing });
+    expect(&cloth, &tear, Some(Vec3::new(0.5, 0.5, 0.0)), 0.5);
+    pin_top(&mut cloth, []);
+    cloth.tear(&mut tear, &tearing);
+    expect(&cloth, &tear, None, 1.0);
 }
 
 #[test]
@@ -152,7 +213,7 @@ fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
             place(&mut cloth, Quat::from_rotation_x(0.3), Vec3::new(0.4, -fallen, 0.2));
             cloth.particles.velocity.fill(Vec3::NEG_Y * (2.0 * 9.81 * fallen).sqrt());
             let mut tear = Tear::new(&cloth.topology, Vec::new());
-            let tearing = Tearing { strength: 120.0, splits: 4, weakening: 0.5 };
+            let tearing = Tearing::at(120.0);
             for tick in 0..90 {
                 cloth.step(TICK, GRAVITY);
                 tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);

@@ -7,7 +7,9 @@
 
 use std::sync::Arc;
 
-use crate::constraint::{Constraints, Tensions};
+use glam::Vec3;
+
+use crate::constraint::{Constraints, Pin, Tensions};
 use crate::topology::{Along, Change, Surgery};
 use crate::{ClothError, Particles, Soa3, Topology};
 
@@ -27,9 +29,20 @@ pub struct Tearing {
     pub splits: u32,
     /// Factor on the strength of the particles that a crack points at, until it has passed; 0..=1. 0.2–0.6 lets a tear run on.
     pub weakening: f32,
+    /// Factor on the strength of what lies within [`reach`](Self::reach) of a pin, as a heading tape or an eyelet strengthens it;
+    /// above 0, up to 1000.
+    pub reinforcement: f32,
+    /// How far from a pin, at rest and over the cloth, it is reinforced, m; 0..=1000. At 0 what is pinned is and nothing else.
+    pub reach: f32,
 }
 
 impl Tearing {
+    /// Tears at a tension of `strength` N/m: four particles in a tick, with a third of the strength ahead of a crack and five
+    /// times as much within 0.1 m of a pin.
+    pub const fn at(strength: f32) -> Self {
+        Self { strength, splits: 4, weakening: 0.35, reinforcement: 5.0, reach: 0.1 }
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors
@@ -37,7 +50,10 @@ impl Tearing {
     pub fn validate(&self) -> Result<(), ClothError> {
         ClothError::check("Tearing::strength", self.strength, f32::MIN_POSITIVE..=1e9, "above 0, up to 1e9 N/m")?;
         ClothError::check("Tearing::splits", self.splits as f32, 1.0..=1000.0, "1..=1000")?;
-        ClothError::check("Tearing::weakening", self.weakening, 0.0..=1.0, "0..=1")
+        ClothError::check("Tearing::weakening", self.weakening, 0.0..=1.0, "0..=1")?;
+        let field = "Tearing::reinforcement";
+        ClothError::check(field, self.reinforcement, f32::MIN_POSITIVE..=1e3, "above 0, up to 1000")?;
+        ClothError::check("Tearing::reach", self.reach, 0.0..=1e3, "0..=1000 m")
     }
 }
 
@@ -64,11 +80,14 @@ pub struct Torn {
 pub struct Tear {
     /// Smoothed tension along weft and warp at each slot, N/m.
     load: [Vec<f32>; 2],
-    /// Factor on the strength of each slot, as painted, and as it is now: weaker where a crack points at it.
-    painted: Vec<f32>,
+    /// Factor on the strength of each slot, as painted and reinforced, and as it is now: weaker where a crack points at it.
+    whole: Vec<f32>,
     weak: Vec<f32>,
+    /// Factor that is due to the pins near each slot, and what it was made of.
+    reinforced: Vec<f32>,
+    tape: Tape,
     /// Distance from the frame's origin up to which loads are known, m.
-    reach: f32,
+    known: f32,
     tensions: Tensions,
     overloaded: Vec<(u32, Along, f32)>,
 }
@@ -81,9 +100,9 @@ impl Tear {
         painted.resize(slots, 1.0);
         let rest = |slot: u32| topology.rest[slot as usize];
         let total: f32 = topology.edges.iter().map(|[a, b]| rest(*a).distance(rest(*b))).sum();
-        let reach = KNOWN * total / topology.edges.len().max(1) as f32;
+        let known = KNOWN * total / topology.edges.len().max(1) as f32;
         let load = [vec![0.0; slots], vec![0.0; slots]];
-        Self { load, weak: painted.clone(), painted, reach, ..Self::default() }
+        Self { load, weak: painted.clone(), whole: painted, reinforced: vec![1.0; slots], known, ..Self::default() }
     }
 
     /// Number of slots it knows.
@@ -103,7 +122,7 @@ impl Tear {
 
     /// Takes over what was cut or burnt.
     pub fn follow(&mut self, change: &Change) {
-        for numbers in self.load.iter_mut().chain([&mut self.painted, &mut self.weak]) {
+        for numbers in self.load.iter_mut().chain([&mut self.whole, &mut self.weak, &mut self.reinforced]) {
             numbers.resize(change.slots, 0.0);
             for born in &change.born {
                 numbers[born.slot as usize] = born.blend(|slot| numbers[slot]);
@@ -121,7 +140,7 @@ impl Tear {
         dt: f32,
     ) {
         constraints.tensions(topology, particles, h, &mut self.tensions);
-        let (fresh, farthest) = (dt / (SMOOTHING + dt), self.reach * self.reach);
+        let (fresh, farthest) = (dt / (SMOOTHING + dt), self.known * self.known);
         let Soa3 { x, y, z } = &particles.position;
         for (load, sums) in self.load.iter_mut().zip(self.tensions.along()) {
             let sums = sums.tension.iter().zip(&sums.weight);
@@ -133,10 +152,17 @@ impl Tear {
         }
     }
 
-    /// Parts what carries more than `tearing` allows, the most overloaded first, where `strength` is a further factor on the
-    /// strength of each slot (of what is charred, say), or empty. `None` if nothing tears, which takes next to no time. What
-    /// tore, this too has to [`follow`](Self::follow).
-    pub fn tear(&mut self, topology: &mut Arc<Topology>, tearing: &Tearing, strength: &[f32]) -> Option<Torn> {
+    /// Parts what carries more than `tearing` allows, the most overloaded first, in a cloth that hangs on `pins`. `strength` is a
+    /// further factor on the strength of each slot (of what is charred, say), or empty. `None` if nothing tears, which takes
+    /// next to no time. What tore, this too has to [`follow`](Self::follow).
+    pub fn tear(
+        &mut self,
+        topology: &mut Arc<Topology>,
+        pins: &[Pin],
+        tearing: &Tearing,
+        strength: &[f32],
+    ) -> Option<Torn> {
+        self.reinforce(topology, pins, tearing);
         self.find_overloaded(tearing, strength);
         if self.overloaded.is_empty() {
             return None;
@@ -151,15 +177,32 @@ impl Tear {
                 splits.push(Split { particle, overload });
                 // The crack has passed: its lips are as strong as any edge. What it points at now is weak, if it was not born in
                 // this very tick.
-                self.weak[particle as usize] = self.painted[particle as usize];
+                self.weak[particle as usize] = self.whole[particle as usize];
                 for slot in ends {
-                    let known = self.weak.get_mut(slot as usize).zip(self.painted.get(slot as usize));
-                    known.into_iter().for_each(|(weak, painted)| *weak = painted * tearing.weakening);
+                    let known = self.weak.get_mut(slot as usize).zip(self.whole.get(slot as usize));
+                    known.into_iter().for_each(|(weak, whole)| *weak = whole * tearing.weakening);
                 }
             }
         }
         let change = surgery.finish()?;
         Some(Torn { change, splits })
+    }
+
+    /// Strengthens what lies near a pin, if pins or tape are others than before.
+    fn reinforce(&mut self, topology: &Topology, pins: &[Pin], tearing: &Tearing) {
+        let Tearing { reinforcement, reach, .. } = *tearing;
+        if self.tape.is(pins, reinforcement, reach) {
+            return;
+        }
+        self.tape = Tape { pins: pins.iter().map(|pin| pin.particle).collect(), reinforcement, reach };
+        let near = self.tape.covered(topology);
+        for (slot, near) in near.into_iter().enumerate() {
+            let now = if near { reinforcement } else { 1.0 };
+            let change = now / self.reinforced[slot];
+            self.whole[slot] *= change;
+            self.weak[slot] *= change;
+            self.reinforced[slot] = now;
+        }
     }
 
     fn find_overloaded(&mut self, tearing: &Tearing, strength: &[f32]) {
@@ -179,6 +222,47 @@ impl Tear {
             }
         }
         self.overloaded.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    }
+}
+
+/// What strengthens the cloth around its pins.
+#[derive(Clone, Debug, Default)]
+struct Tape {
+    /// The particles pinned.
+    pins: Vec<u32>,
+    reinforcement: f32,
+    reach: f32,
+}
+
+impl Tape {
+    fn is(&self, pins: &[Pin], reinforcement: f32, reach: f32) -> bool {
+        (self.reinforcement, self.reach) == (reinforcement, reach)
+            && self.pins.iter().copied().eq(pins.iter().map(|pin| pin.particle))
+    }
+
+    /// Whether each slot lies within reach of a pin: by rest positions, over edges that lie within reach themselves, so that it
+    /// does not leap to another layer.
+    fn covered(&self, topology: &Topology) -> Vec<bool> {
+        let mut nearest: Vec<Option<(f32, Vec3)>> = vec![None; topology.slots()];
+        for pin in &self.pins {
+            nearest[*pin as usize] = Some((0.0, topology.rest[*pin as usize]));
+        }
+        loop {
+            let mut is_done = true;
+            let ways =
+                topology.edges.iter().flat_map(|[a, b]| [[*a as usize, *b as usize], [*b as usize, *a as usize]]);
+            for [from, to] in ways {
+                let Some((_, pin)) = nearest[from] else { continue };
+                let distance = pin.distance(topology.rest[to]);
+                if distance <= self.reach && nearest[to].is_none_or(|(known, _)| distance < known) {
+                    nearest[to] = Some((distance, pin));
+                    is_done = false;
+                }
+            }
+            if is_done {
+                return nearest.iter().map(Option::is_some).collect();
+            }
+        }
     }
 }
 

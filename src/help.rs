@@ -14,7 +14,7 @@ pub struct HelpOpen(pub bool);
 const MOUSE: [(&str, &str); 8] = [
     ("left drag on cloth", "grab and pull; what may tear, rips; R makes it whole"),
     ("right drag on cloth", "cut"),
-    ("middle click on cloth", "set on fire; with X pour water instead"),
+    ("middle button on cloth", "hold a match to it; with X pour water instead"),
     ("left click", "select an object; on nothing: deselect"),
     ("left drag on a handle", "move or turn the selected object"),
     ("left drag on nothing", "orbit; anywhere with Alt"),

@@ -240,3 +240,43 @@ fn a_middle_click_lights_and_with_water_in_hand_puts_out() {
     run(&mut app, 2);
     assert_eq!(get::<ClothFire>(&app, cloth).flaming(), 0);
 }
+
+#[test]
+fn match_and_water_are_drawn_across_the_cloth_until_the_button_is_up() {
+    const MOVE: PointerAction = PointerAction::Move { delta: Vec2::ZERO };
+    let mut app = with_pointer();
+    let cloth = hung(&mut app, Flammable::default());
+    let act = |app: &mut App, x: f32, action| {
+        send(app, [x, 300.0], action);
+        app.update();
+    };
+    let sweep = |app: &mut App, from: u32, to: u32| (from..=to).for_each(|step| act(app, 10.0 * step as f32, MOVE));
+    let between = |app: &App, from: f32, to: f32, is_so: &dyn Fn(&ClothFire, usize) -> bool| {
+        let fire = get::<ClothFire>(app, cloth);
+        let rest = &get::<ClothTopology>(app, cloth).rest;
+        let near = |slot: &usize| (from..to).contains(&rest[*slot].x) && rest[*slot].y.abs() < 0.04;
+        (0..rest.len()).filter(near).filter(|slot| is_so(fire, *slot)).count()
+    };
+    let is_hot = |fire: &ClothFire, slot: usize| fire.temperature()[slot] > 500.0;
+    // A pixel is 2.8 mm on the cloth, the middle of the picture its middle.
+    act(&mut app, 370.0, MOVE);
+    act(&mut app, 370.0, PointerAction::Press(PointerButton::Middle));
+    sweep(&mut app, 37, 42);
+    act(&mut app, 420.0, PointerAction::Release(PointerButton::Middle));
+    sweep(&mut app, 42, 44);
+    let [left, middle, right] = [(-0.1, -0.05), (-0.02, 0.07), (0.09, 0.13)].map(|(a, b)| between(&app, a, b, &is_hot));
+    assert!(left > 0 && middle > 1, "{left} and {middle} particles are alight");
+    assert_eq!(right, 0, "the button is up");
+    app.world_mut().resource_mut::<ClothPicking>().tool = FireTool::Water;
+    act(&mut app, 370.0, PointerAction::Press(PointerButton::Middle));
+    run(&mut app, 64);
+    sweep(&mut app, 37, 42);
+    act(&mut app, 420.0, PointerAction::Release(PointerButton::Middle));
+    let fire = get::<ClothFire>(&app, cloth);
+    assert_eq!(fire.flaming(), 0);
+    let wettest = fire.moisture().iter().copied().fold(0.0, f32::max);
+    assert!(wettest > 1.2, "half a litre, and a second more of one, less steam: {wettest} kg/m²");
+    run(&mut app, 64);
+    let after = get::<ClothFire>(&app, cloth).moisture().iter().copied().fold(0.0, f32::max);
+    assert!(after <= wettest, "the button is up");
+}

@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use cloth_solver::constraint::Grab;
 use cloth_solver::damage::{Direction, Tear, Tearing};
 use cloth_solver::{Cloth, Fabric};
@@ -202,6 +204,28 @@ fn reinforcement_goes_with_the_pins_and_paint_stays() {
     pin_top(&mut cloth, []);
     cloth.tear(&mut tear, &tearing);
     expect(&cloth, &tear, None, 1.0);
+}
+
+#[test]
+fn the_overloaded_end_of_a_thread_cannot_part_and_its_cloth_is_not_even_copied() {
+    let mut cloth = rectangle(0.3, 0.3, 15, 15, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    pin_top(&mut cloth, 0..=15);
+    let grid = cloth.topology.grid.unwrap();
+    let hem: Vec<u32> = (1..15).map(|column| grid.slot(15, column)).collect();
+    let mut painted = vec![1.0; cloth.topology.slots()];
+    // The hem takes 5 N/m, and 25 pull at it, down the warp.
+    hem.iter().for_each(|slot| painted[*slot as usize] = 5e-6);
+    let mut tear = Tear::new(&cloth.topology, painted);
+    let before = cloth.topology.clone();
+    for _ in 0..60 {
+        hem.iter().for_each(|slot| cloth.particles.add_force(*slot as usize, Vec3::NEG_Y * 0.5));
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        assert!(tear.tear(&mut cloth.topology, &[], &Tearing::at(1e6), &[]).is_none());
+        assert!(Arc::ptr_eq(&before, &cloth.topology));
+    }
+    assert!(hem.iter().all(|slot| tear.load(*slot as usize) > 20.0));
 }
 
 #[test]

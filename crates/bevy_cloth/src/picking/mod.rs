@@ -16,10 +16,10 @@ use bevy::prelude::*;
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum FireTool {
-    /// A match: sets alight.
+    /// A match: sets alight what it passes.
     #[default]
     Match,
-    /// Water, half a litre a square metre within 15 cm: puts out, and wets.
+    /// Water: puts out, and wets. Half a litre a square metre within 15 cm at once, and a litre a second while it is held.
     Water,
 }
 
@@ -34,8 +34,8 @@ pub struct ClothPicking {
     /// The button that cuts while it is held and the pointer moves, or `None` for no cutting. Default the secondary (right)
     /// button.
     pub cut_button: Option<PointerButton>,
-    /// The button that uses [`ClothPicking::tool`] on cloth that is [`Flammable`](crate::Flammable), or `None`. Default the
-    /// middle button.
+    /// The button that uses [`ClothPicking::tool`] on cloth that is [`Flammable`](crate::Flammable), for as long as it is held,
+    /// or `None`. Default the middle button.
     pub tool_button: Option<PointerButton>,
     /// What that button does. Default it ignites.
     pub tool: FireTool,
@@ -114,7 +114,8 @@ pub(crate) fn plugin(app: &mut App) {
         .init_resource::<hand::Hands>()
         .init_resource::<blade::Strokes>()
         .add_observer(hand::grab)
-        .add_observer(fire::use_tool)
+        .init_resource::<fire::ToolsInUse>()
+        .add_observer(fire::take_up)
         .add_systems(
             PreUpdate,
             (
@@ -122,6 +123,7 @@ pub(crate) fn plugin(app: &mut App) {
                 (
                     hand::release.run_if(resource_exists::<Messages<PointerInput>>),
                     hand::pull,
+                    fire::go_on,
                     blade::cut.run_if(resource_exists::<Messages<PointerInput>>),
                 )
                     .chain()

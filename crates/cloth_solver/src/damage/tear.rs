@@ -164,6 +164,7 @@ impl Tear {
     ) -> Option<Torn> {
         self.reinforce(topology, pins, tearing);
         self.find_overloaded(tearing, strength);
+        self.keep_what_can_part(topology);
         if self.overloaded.is_empty() {
             return None;
         }
@@ -221,6 +222,32 @@ impl Tear {
                 }
             }
         }
+    }
+
+    /// Forgets those overloaded particles whose triangles all lie on one side, at the end of a thread: charred ones stay
+    /// overloaded for as long as they are there.
+    fn keep_what_can_part(&mut self, topology: &Topology) {
+        if self.overloaded.is_empty() {
+            return;
+        }
+        // For each slot on which sides triangles lie: before and after it along the weft, before and after it along the warp.
+        const OVERLOADED: u8 = 1 << 4;
+        let bit = |along: Along, after: bool| 1 << (2 * u8::from(along == Along::Warp) + u8::from(after));
+        let mut sides = vec![0_u8; topology.slots()];
+        self.overloaded.iter().for_each(|(slot, ..)| sides[*slot as usize] = OVERLOADED);
+        for (triangle, corners) in topology.triangles.iter().enumerate() {
+            for slot in corners {
+                let sides = &mut sides[*slot as usize];
+                if *sides != 0 {
+                    for along in [Along::Weft, Along::Warp] {
+                        *sides |= bit(along, is_after(topology, triangle as u32, *slot, along));
+                    }
+                }
+            }
+        }
+        let is_between =
+            |slot: u32, along| [false, true].iter().all(|after| sides[slot as usize] & bit(along, *after) != 0);
+        self.overloaded.retain(|(slot, along, _)| is_between(*slot, *along));
         self.overloaded.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
     }
 }
@@ -292,23 +319,25 @@ impl Direction {
     }
 }
 
+/// On which side of `particle` one of its triangles lies at rest: whether it comes after it along the weft or the warp.
+fn is_after(topology: &Topology, triangle: u32, particle: u32, along: Along) -> bool {
+    let rest = topology.triangle_rest[triangle as usize];
+    let flat = [glam::Vec2::ZERO, rest.x_axis, rest.y_axis];
+    let corner = topology.triangles[triangle as usize].iter().position(|slot| *slot == particle).unwrap_or(0);
+    let middle = (flat[0] + flat[1] + flat[2]) / 3.0 - flat[corner];
+    match along {
+        Along::Weft => middle.x > 0.0,
+        Along::Warp => middle.y > 0.0,
+    }
+}
+
 /// Parts the fan of `particle` by the line through it that runs across `along`; the particles that the crack points at, or
 /// `None` if all its triangles lie on one side.
 fn split(surgery: &mut Surgery, particle: u32, along: Along) -> Option<Vec<u32>> {
     let fan = surgery.fan(particle);
     let topology = surgery.topology();
-    let side = |triangle: u32| {
-        let rest = topology.triangle_rest[triangle as usize];
-        let corners = topology.triangles[triangle as usize];
-        let flat = [glam::Vec2::ZERO, rest.x_axis, rest.y_axis];
-        let corner = corners.iter().position(|slot| *slot == particle).unwrap_or(0);
-        let middle = (flat[0] + flat[1] + flat[2]) / 3.0 - flat[corner];
-        match along {
-            Along::Weft => middle.x > 0.0,
-            Along::Warp => middle.y > 0.0,
-        }
-    };
-    let sides: Vec<(u32, bool)> = fan.iter().map(|triangle| (*triangle, side(*triangle))).collect();
+    let side = |triangle: &u32| (*triangle, is_after(topology, *triangle, particle, along));
+    let sides: Vec<(u32, bool)> = fan.iter().map(side).collect();
     if sides.iter().all(|(_, after)| *after) || !sides.iter().any(|(_, after)| *after) {
         return None;
     }

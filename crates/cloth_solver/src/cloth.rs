@@ -144,7 +144,7 @@ impl Cloth {
     /// Takes triangles out; `None` if there is none of them.
     pub fn remove_triangles(&mut self, triangles: &[u32]) -> Option<Change> {
         let before = self.topology.clone();
-        let change = damage::remove(Arc::make_mut(&mut self.topology), triangles);
+        let change = damage::remove(&mut self.topology, triangles);
         self.follow(&before, change.as_ref());
         change
     }

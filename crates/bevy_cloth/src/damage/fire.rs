@@ -1,7 +1,5 @@
 //! Fire on cloth that is [`Flammable`]: lit and put out by order, told, and taken over into mass, stiffness and triangles.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::damage;
@@ -181,7 +179,7 @@ impl super::apply::WholeItem<'_, '_> {
         let particle = self.topology.triangles[*first as usize][0];
         let position = self.place(particle);
         let mut now = self.topology.0.clone();
-        let Some(change) = damage::remove(Arc::make_mut(&mut now), &gone) else { return };
+        let Some(change) = damage::remove(&mut now, &gone) else { return };
         self.become_(now, &change, commands);
         let triangles = gone.len() as u32;
         report(commands, ClothBurntThrough { entity: self.entity, particle, position, triangles });

@@ -109,7 +109,7 @@ pub(crate) fn clear_debris(
         let particle = cloth.topology.triangles[gone[0] as usize][0];
         let position = cloth.place(particle);
         let mut now = cloth.topology.0.clone();
-        if let Some(change) = damage::remove(std::sync::Arc::make_mut(&mut now), &gone) {
+        if let Some(change) = damage::remove(&mut now, &gone) {
             cloth.become_(now, &change, &mut commands);
             report(
                 &mut commands,

@@ -34,11 +34,8 @@ pub struct Cut {
 /// Cuts `topology`, whose particles stand at `position`, with `blade`.
 ///
 /// Nothing changes where nothing is crossed: the same blade again does nothing. `None` if it crossed nothing.
-pub fn cut(topology: &mut Topology, position: &Soa3, blade: &Blade) -> Option<Cut> {
-    let mut whole = Arc::new(std::mem::take(topology));
-    let cut = Stroke::new(blade.from, position).sweep(&mut whole, position, blade.to);
-    *topology = Arc::unwrap_or_clone(whole);
-    cut
+pub fn cut(topology: &mut Arc<Topology>, position: &Soa3, blade: &Blade) -> Option<Cut> {
+    Stroke::new(blade.from, position).sweep(topology, position, blade.to)
 }
 
 /// A stroke of many blades, each from where the one before left off, through a cloth that moves meanwhile: the line is
@@ -74,7 +71,7 @@ impl Stroke {
             self.tips.clear();
             return None;
         }
-        let change = part(Arc::make_mut(topology), &crossings, seen, &mut on);
+        let change = part(topology, &crossings, seen, &mut on);
         change.iter().for_each(|change| self.position.follow(change));
         // Also if nothing was parted: a line that ends at the first particle it is led through goes on from there.
         let is_on = |slot: &u32| on.get(*slot as usize).is_some_and(|on| *on);
@@ -94,7 +91,7 @@ impl Stroke {
 }
 
 /// Divides triangles at `crossings`, which are `on` the line from then on, and parts every particle on it.
-fn part(topology: &mut Topology, crossings: &[Crossing], mut seen: Seen, on: &mut Vec<bool>) -> Option<Change> {
+fn part(topology: &mut Arc<Topology>, crossings: &[Crossing], mut seen: Seen, on: &mut Vec<bool>) -> Option<Change> {
     let mut surgery = Surgery::new(topology);
     let born = surgery.divide(crossings);
     let slots = surgery.topology().slots();

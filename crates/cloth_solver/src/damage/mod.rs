@@ -11,12 +11,14 @@ mod tear;
 pub use cut::{Blade, Cut, Stroke, cut};
 pub use tear::{Direction, Split, Tear, Tearing, Torn, tear_at};
 
+use std::sync::Arc;
+
 use crate::constraint::Constraints;
 use crate::topology::{Change, Surgery};
 use crate::{Particles, Topology};
 
 /// Takes `triangles` out of `topology`; `None` if there is none of them.
-pub fn remove(topology: &mut Topology, triangles: &[u32]) -> Option<Change> {
+pub fn remove(topology: &mut Arc<Topology>, triangles: &[u32]) -> Option<Change> {
     let mut surgery = Surgery::new(topology);
     surgery.remove(triangles);
     surgery.finish()

@@ -168,7 +168,7 @@ impl Tear {
         if self.overloaded.is_empty() {
             return None;
         }
-        let mut surgery = Surgery::new(Arc::make_mut(topology));
+        let mut surgery = Surgery::new(topology);
         let mut splits = Vec::new();
         for &(particle, along, overload) in &self.overloaded {
             if splits.len() as u32 >= tearing.splits {
@@ -296,7 +296,7 @@ impl Tape {
 /// Parts `particle` of `topology` as if it were pulled along `pull`; `None` if it cannot be parted.
 pub fn tear_at(topology: &mut Arc<Topology>, particle: u32, pull: Direction) -> Option<Change> {
     topology.is_particle(particle).then_some(())?;
-    let mut surgery = Surgery::new(Arc::make_mut(topology));
+    let mut surgery = Surgery::new(topology);
     split(&mut surgery, particle, pull.along())?;
     surgery.finish()
 }

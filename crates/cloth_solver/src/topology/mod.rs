@@ -22,6 +22,8 @@ pub use pieces::Pieces;
 pub(crate) use surgery::{Crossing, Surgery};
 pub(crate) use weave::Weave;
 
+use std::sync::Arc;
+
 use glam::{Mat2, Vec2, Vec3};
 
 /// A rectangle of particles in rows (along the weft) and columns (along the warp).
@@ -91,6 +93,30 @@ pub struct Topology {
 }
 
 impl Topology {
+    /// The topology in `shared` to be changed: itself if nobody else has it, else a copy, with room for an eighth more than there
+    /// is. A copy without room would be copied once more by the first of everything that is added.
+    pub(crate) fn make_own(shared: &mut Arc<Self>) -> &mut Self {
+        if Arc::get_mut(shared).is_none() {
+            *shared = Arc::new(Self {
+                rest: with_room(&shared.rest),
+                area: with_room(&shared.area),
+                triangles: with_room(&shared.triangles),
+                triangle_rest: with_room(&shared.triangle_rest),
+                triangle_vertices: with_room(&shared.triangle_vertices),
+                edges: with_room(&shared.edges),
+                hinges: with_room(&shared.hinges),
+                hinge_triangles: with_room(&shared.hinge_triangles),
+                hinge_rest: with_room(&shared.hinge_rest),
+                vertex_particle: with_room(&shared.vertex_particle),
+                grid: shared.grid,
+                weave: shared.weave.clone(),
+                original_triangles: shared.original_triangles,
+                free: shared.free,
+            });
+        }
+        Arc::make_mut(shared)
+    }
+
     /// Number of slots, padding included.
     pub fn slots(&self) -> usize {
         self.rest.len()
@@ -115,4 +141,11 @@ impl Topology {
     pub fn is_particle(&self, slot: u32) -> bool {
         self.area.get(slot as usize).is_some_and(|a| *a > 0.0)
     }
+}
+
+/// A copy with room for an eighth more.
+fn with_room<T: Clone>(all: &[T]) -> Vec<T> {
+    let mut copy = Vec::with_capacity(all.len() + all.len() / 8);
+    copy.extend_from_slice(all);
+    copy
 }

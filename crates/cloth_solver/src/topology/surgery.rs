@@ -4,11 +4,12 @@
 //! whose triangles no longer hang together by edges is parted, too.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::Vec2;
 
 use super::weave::{NONE, Weave};
-use super::{Born, BornVertex, Change, Topology, hinge, renew};
+use super::{Born, BornVertex, Change, Topology, hinge, renew, with_room};
 use crate::lanes::LANES;
 
 /// Where an edge is divided.
@@ -37,14 +38,15 @@ pub(crate) struct Surgery<'a> {
 
 impl<'a> Surgery<'a> {
     /// Begins.
-    pub fn new(topology: &'a mut Topology) -> Self {
-        let count = topology.triangles.len() as u32;
+    pub fn new(topology: &'a mut Arc<Topology>) -> Self {
+        let topology = Topology::make_own(topology);
+        let numbers: Vec<u32> = (0..topology.triangles.len() as u32).collect();
         let halves = match (&mut topology.weave, &topology.grid) {
             (Some(weave), _) => std::mem::take(&mut weave.halves),
-            (None, Some(_)) => (0..count).collect(),
-            (None, None) => vec![NONE; count as usize],
+            (None, Some(_)) => with_room(&numbers),
+            (None, None) => vec![NONE; numbers.len()],
         };
-        let change = Change { triangles: (0..count).collect(), ..Change::default() };
+        let change = Change { triangles: with_room(&numbers), ..Change::default() };
         let (fans, start, list, removed, touched) = Default::default();
         Self { topology, change, halves, fans, start, list, removed, touched }
     }
@@ -85,9 +87,13 @@ impl<'a> Surgery<'a> {
         let mut vertices = HashMap::new();
         for triangle in 0..self.topology.triangles.len() {
             let corners = self.topology.triangles[triangle];
+            let ends = corners.map(|slot| is_end[slot as usize]);
+            if ends.into_iter().filter(|is_end| *is_end).count() < 2 {
+                continue;
+            }
             let crossing = |side: usize| {
                 let [a, b] = [corners[side], corners[(side + 1) % 3]];
-                if !is_end[a as usize] || !is_end[b as usize] {
+                if !ends[side] || !ends[(side + 1) % 3] {
                     return None;
                 }
                 let at = crossings.binary_search_by_key(&[a.min(b), a.max(b)], |crossing| crossing.edge).ok()?;
@@ -235,7 +241,9 @@ impl<'a> Surgery<'a> {
         for (slot, groups) in slots.into_iter().zip(groups) {
             self.part(slot, groups, &mut waiting);
         }
-        // What is left in one piece by them may have come apart around its neighbours.
+        // What is left in one piece by them may have come apart around its neighbours, each of which was named many times.
+        waiting.sort_unstable();
+        waiting.dedup();
         while let Some(slot) = waiting.pop() {
             let groups = self.groups(slot, &|_: &Topology, _, _| false);
             self.part(slot, groups, &mut waiting);

@@ -1,6 +1,8 @@
 //! Burning cloths for the tests of fire.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use std::sync::Arc;
+
 use cloth_solver::damage;
 use cloth_solver::damage::fire::{Flammability, ROOM_TEMPERATURE, Stage, Surroundings};
 use cloth_solver::topology::{Change, MeshSource, Resolution};
@@ -21,7 +23,7 @@ pub const TALL_FLAMES: Flammability = Flammability { reach_up: 10.0, ..Flammabil
 /// A cloth that does not move, and its fire.
 #[derive(Clone)]
 pub struct Burning {
-    pub topology: Topology,
+    pub topology: Arc<Topology>,
     pub particles: Particles,
     pub fire: Fire,
     pub around: Surroundings,
@@ -37,7 +39,7 @@ impl Burning {
             particles: Particles::new(&topology, fabric.areal_density),
             fire: Fire::new(&topology, fabric, flammable).unwrap(),
             lit_at: vec![f32::INFINITY; topology.slots()],
-            topology,
+            topology: Arc::new(topology),
             around: Surroundings::default(),
             dt: DT,
             time: 0.0,

@@ -275,7 +275,7 @@ fn changes(found: &Found) -> Table {
         Table::new(["method", "setting", "change", "contacts", "quiet tick, ms", "first tick", "later ticks"]);
     for cost in found.costs {
         let over = |time: Option<f64>| {
-            time.map_or("not supported yet".into(), |time| format!("{} ×", number(time / cost.quiet, 3)))
+            time.map_or("exploded".into(), |time| format!("{} ×", number(time / cost.quiet, 3)))
         };
         table.push([
             cost.method.name().to_owned(),

@@ -274,9 +274,8 @@ fn changes(found: &Found) -> Table {
     let mut table =
         Table::new(["method", "setting", "change", "contacts", "quiet tick, ms", "first tick", "later ticks"]);
     for cost in found.costs {
-        let over = |time: Option<f64>| {
-            time.map_or("exploded".into(), |time| format!("{} ×", number(time / cost.quiet, 3)))
-        };
+        let over =
+            |time: Option<f64>| time.map_or("exploded".into(), |time| format!("{} ×", number(time / cost.quiet, 3)));
         table.push([
             cost.method.name().to_owned(),
             cost.setting.to_string(),

@@ -50,7 +50,8 @@ fn torn_at(method: Method, cells: u32, as_mesh: bool, strength: f32, notch: Opti
         cloth.cut(&blade([-WIDTH, off], [(part - 0.5) * WIDTH, off]));
     }
     rig::hold(&mut cloth, |rest| rest.y > 0.499 * HEIGHT)?;
-    let (tick, tearing) = (budget(method), Tearing { splits: 1, weakening: 1.0, ..Tearing::at(strength) });
+    let (tick, tearing) =
+        (budget(method), Tearing { splits: 1, weakening: 1.0, reinforcement: 1.0, ..Tearing::at(strength) });
     let lower: Vec<u32> =
         cloth.topology.particles().filter(|slot| cloth.topology.rest[*slot as usize].y < -0.499 * HEIGHT).collect();
     let share = |slot: &u32| {

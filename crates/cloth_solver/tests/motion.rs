@@ -3,6 +3,7 @@
 mod common;
 
 use cloth_solver::{Fabric, measure};
+use common::damage::blade;
 use common::*;
 use glam::{DVec3, Quat, Vec3};
 
@@ -92,6 +93,23 @@ fn internal_friction_leaves_a_spinning_cloth_its_spin() {
     }
     let left = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
     assert!((left - start).length() < 1e-4 * start.length(), "{left} of {start}");
+}
+
+#[test]
+fn internal_friction_leaves_pieces_that_fly_apart_their_motion() {
+    let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    cloth.cut(&blade([0.03, 1.0], [0.03, -1.0])).expect("a cut through the middle");
+    let pieces = cloth.topology.pieces();
+    assert_eq!(pieces.triangles.len(), 2);
+    for slot in cloth.topology.particles().map(|slot| slot as usize) {
+        cloth.particles.velocity.set(slot, if pieces.of_slot[slot] == 0 { Vec3::Z } else { Vec3::NEG_Z });
+    }
+    for _ in 0..60 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let speed = |slot: u32| cloth.particles.velocity.get(slot as usize).z.abs();
+    let slowest = cloth.topology.particles().map(speed).fold(f32::INFINITY, f32::min);
+    assert!(slowest > 0.999, "{slowest} m/s of 1");
 }
 
 #[test]

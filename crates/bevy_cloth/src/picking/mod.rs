@@ -19,7 +19,8 @@ pub enum FireTool {
     /// A match: sets alight what it passes.
     #[default]
     Match,
-    /// Water: puts out, and wets. Half a litre a square metre within 15 cm at once, and a litre a second while it is held.
+    /// Water: puts out, and wets. Within 15 cm half a litre a square metre at once, and another litre
+    /// in each second while it is held.
     Water,
 }
 

@@ -271,8 +271,8 @@ impl Tape {
     /// does not leap to another layer.
     fn covered(&self, topology: &Topology) -> Vec<bool> {
         let mut nearest: Vec<Option<(f32, Vec3)>> = vec![None; topology.slots()];
-        for pin in &self.pins {
-            nearest[*pin as usize] = Some((0.0, topology.rest[*pin as usize]));
+        for pin in self.pins.iter().map(|pin| *pin as usize).filter(|pin| *pin < topology.slots()) {
+            nearest[pin] = Some((0.0, topology.rest[pin]));
         }
         loop {
             let mut is_done = true;

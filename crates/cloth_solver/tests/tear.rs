@@ -29,9 +29,9 @@ fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
     let tearing = Tearing::at(400.0);
     for tick in 0..400 {
         let pull = 0.5 * tick as f32;
-        let area = |slot: &u32| cloth.topology.area[*slot as usize];
-        let total: f32 = bottom.iter().map(area).sum();
-        for (slot, share) in bottom.iter().map(|slot| (*slot, area(slot) / total)).collect::<Vec<_>>() {
+        // Evenly over the width: the two at the ends of the row have but half of a column.
+        let columns = |slot: &u32| if cloth.topology.rest[*slot as usize].x.abs() > 0.149 { 0.5 } else { 1.0 };
+        for (slot, share) in bottom.iter().map(|slot| (*slot, columns(slot) / 15.0)).collect::<Vec<_>>() {
             cloth.particles.add_force(slot as usize, Vec3::NEG_Y * (pull * share));
         }
         cloth.step(TICK, GRAVITY);

@@ -26,8 +26,8 @@ pub(crate) const EXPLICIT_LOAD: f32 = 0.22;
 
 /// Up to which T h²/(m l), predicted strain and 1 − cos of the turn within a substep a link pulls along the direction it had
 /// when the substep began; beyond three times as much it pulls along the one it is predicted to have. See [`stretch`].
-const CALM_LOAD: f32 = 0.15;
-const CALM_STRAIN: f32 = 0.007;
+const CALM_LOAD: f32 = 0.18;
+const CALM_STRAIN: f32 = 0.008;
 const CALM_TURN: f32 = 0.025;
 
 /// Eight runs of `count` particles each.
@@ -107,6 +107,15 @@ pub(crate) fn solve<S: Simd>(
     }
 }
 
+/// How far a link pulls along the direction it had: 1 in calm, 0 in a storm. From T h²/(m l), strain and 1 − cos of the turn.
+#[inline(always)]
+pub(super) fn calm<S: Simd>(simd: S, load_ratio: f32x8<S>, strain: f32x8<S>, turn: f32x8<S>) -> f32x8<S> {
+    let storm = (load_ratio * splat(simd, 0.5 / CALM_LOAD))
+        .max(strain.abs() * splat(simd, 0.5 / CALM_STRAIN))
+        .max(turn * splat(simd, 0.5 / CALM_TURN));
+    (splat(simd, 1.5) - storm).max(splat(simd, 0.0)).min(splat(simd, 1.0))
+}
+
 /// Solves the stretch constraints `|x_{k+1} − x_k| = spacing` of each run together: one Newton step of the XPBD
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
 /// `A_kk = (w_k + w_{k+1}) p_k·p_k + α̃`, `A_{k−1,k} = −w_k p_{k−1}·p_k`, `A λ = −C`; p_k is the direction link k pulls along.
@@ -136,9 +145,7 @@ fn stretch<S: Simd>(
     let one = splat(simd, 1.0);
     let tiny = splat(simd, f32::MIN_POSITIVE);
     let rest = splat(simd, spacing);
-    let per_load = splat(simd, -0.5 / (spacing * CALM_LOAD));
-    let per_strain = splat(simd, 0.5 / (spacing * CALM_STRAIN));
-    let per_turn = splat(simd, 0.5 / CALM_TURN);
+    let per_spacing = splat(simd, 1.0 / spacing);
 
     let mut x = Vec3x8::load(simd, position, base);
     let mut moves = Vec3x8::load(simd, moved, base);
@@ -156,9 +163,8 @@ fn stretch<S: Simd>(
         // A link of no length has no direction: its normal is 0, not NaN, and it gets no correction.
         let normal = d * (one / length.max(tiny));
         let before = before * (one / before.length().max(tiny));
-        let load_ratio = load(simd, lambda, k * LANES) * w.max(w_next) * per_load;
-        let storm = load_ratio.max((length - rest).abs() * per_strain).max((one - before.dot(normal)) * per_turn);
-        let share = (splat(simd, 1.5) - storm).max(zero).min(one);
+        let load_ratio = load(simd, lambda, k * LANES) * w.max(w_next) * (zero - per_spacing);
+        let share = calm(simd, load_ratio, (length - rest) * per_spacing, one - before.dot(normal));
         let pull = normal + (before - normal) * share;
         let off = -(w * last.dot(pull));
         let upper = off * last_inverse;

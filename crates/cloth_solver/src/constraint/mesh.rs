@@ -1,16 +1,23 @@
-//! The constraints of a mesh that is no grid: hinges, then triangles.
+//! The constraints of a mesh that is no grid: hinges, then triangles, then strips of triangles.
 
 use fearless_simd::Simd;
 
 use super::force::MeshForces;
 use super::hinges::Hinges;
-use super::triangles::Triangles;
+use super::strips::Strips;
+use super::tension::Tensions;
+use super::triangles::{Of, Triangles};
+use super::wear::Wear;
+use crate::method::Method;
+use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
 
 /// What keeps a mesh of fabric together.
 #[derive(Clone, Debug)]
 pub(super) struct MeshConstraints {
-    pub triangles: Triangles,
+    triangles: Triangles,
+    /// Stretch along weft and warp, where the method solves it along strips.
+    strips: Option<Box<[Strips; 2]>>,
     hinges: Option<Hinges>,
     pub fabric: Fabric,
     /// Only for methods that step forces.
@@ -18,31 +25,65 @@ pub(super) struct MeshConstraints {
 }
 
 impl MeshConstraints {
-    pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
+    pub fn new(topology: &Topology, fabric: &Fabric, method: Method) -> Self {
         let all = |count: usize| (0..count as u32).collect::<Vec<_>>();
         let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
-        Self {
+        let mut made = Self {
             triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
+            strips: None,
             fabric: *fabric,
             forces: None,
             hinges: (bends && !topology.hinges.is_empty())
                 .then(|| Hinges::new(topology, &all(topology.hinges.len()), fabric)),
-        }
+        };
+        made.prepare(topology, method);
+        made
     }
 
-    /// Makes ready to be asked for forces, or gives back what that takes.
-    pub fn prepare_forces(&mut self, topology: &Topology, wanted: bool) {
-        if wanted != self.forces.is_some() {
-            self.forces = wanted.then(|| {
+    /// Makes ready for `method`, and gives back what only others need.
+    pub fn prepare(&mut self, topology: &Topology, method: Method) {
+        if method.steps_forces() != self.forces.is_some() {
+            self.forces = method.steps_forces().then(|| {
                 let all = (0..topology.triangles.len() as u32).collect();
                 Box::new(MeshForces::new(topology, all, &self.fabric))
             });
+        }
+        if (method == Method::XpbdLines) != self.strips.is_some() {
+            let strips = |along| Strips::new(topology, along, &self.fabric);
+            self.strips = (method == Method::XpbdLines).then(|| Box::new([Along::Weft, Along::Warp].map(strips)));
+        }
+    }
+
+    /// The constraints of the same fabric over what became of the mesh.
+    pub fn follow(&mut self, now: &Topology, method: Method) {
+        let watched = self.triangles.is_watched();
+        *self = Self::new(now, &self.fabric, method);
+        if watched {
+            self.triangles.watch();
+        }
+    }
+
+    /// Takes over what became of the particles.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        self.triangles.wear(wear);
+        self.strips.iter_mut().flat_map(|strips| strips.iter_mut()).for_each(|strips| strips.wear(wear));
+    }
+
+    /// Adds the tensions in the last solve of a substep of length `h`.
+    pub fn add_tensions(&mut self, topology: &Topology, h: f32, to: &mut Tensions) {
+        match &self.strips {
+            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(topology, h, to)),
+            None => self.triangles.add_tensions(h, to),
         }
     }
 
     /// Number of constraints.
     pub fn count(&self) -> usize {
-        self.triangles.count() + self.hinges.as_ref().map_or(0, Hinges::count)
+        let of_triangles = match &self.strips {
+            Some(strips) => self.triangles.count(Of::Shear) + strips.iter().map(Strips::count).sum::<usize>(),
+            None => self.triangles.count(Of::All),
+        };
+        of_triangles + self.hinges.as_ref().map_or(0, Hinges::count)
     }
 
     #[inline(always)]
@@ -50,6 +91,14 @@ impl MeshConstraints {
         if let Some(hinges) = &self.hinges {
             hinges.solve(simd, particles, h);
         }
-        self.triangles.solve(simd, particles, h);
+        match &mut self.strips {
+            None => self.triangles.solve(simd, particles, h, Of::All),
+            Some(strips) => {
+                self.triangles.solve(simd, particles, h, Of::Shear);
+                let [weft, warp] = &mut **strips;
+                weft.solve(simd, particles, h);
+                warp.solve(simd, particles, h);
+            }
+        }
     }
 }

@@ -14,6 +14,7 @@ mod nudge;
 mod patch;
 mod pin;
 mod shear;
+mod strips;
 mod sweep;
 mod tension;
 mod tether;
@@ -72,7 +73,7 @@ impl Constraints {
         fabric.validate()?;
         let surface = match topology.grid {
             Some(grid) => Surface::Grid(Box::new(GridConstraints::new(grid, topology, fabric))),
-            None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric))),
+            None => Surface::Mesh(Box::new(MeshConstraints::new(topology, fabric, Method::default()))),
         };
         let pieces = topology.weave.is_some().then(|| topology.pieces());
         Ok(Self { surface, damping: fabric.damping, pieces, ..Self::default() })
@@ -83,7 +84,7 @@ impl Constraints {
         self.method = method;
         match &mut self.surface {
             Surface::Grid(grid) => grid.prepare_forces(topology, method.steps_forces()),
-            Surface::Mesh(mesh) => mesh.prepare_forces(topology, method.steps_forces()),
+            Surface::Mesh(mesh) => mesh.prepare(topology, method),
             Surface::Empty => {}
         }
     }
@@ -156,14 +157,7 @@ impl Constraints {
                 grid.follow(now);
                 grid.prepare_forces(now, self.method.steps_forces());
             }
-            Surface::Mesh(mesh) => {
-                let (forces, watched) = (mesh.forces.is_some(), mesh.triangles.is_watched());
-                **mesh = MeshConstraints::new(now, &mesh.fabric);
-                mesh.prepare_forces(now, forces);
-                if watched {
-                    mesh.triangles.watch();
-                }
-            }
+            Surface::Mesh(mesh) => mesh.follow(now, self.method),
             Surface::Empty => {}
         }
         if let Some(tethers) = &mut self.tethers {
@@ -180,7 +174,7 @@ impl Constraints {
         }
         match &mut self.surface {
             Surface::Grid(grid) => grid.wear(wear),
-            Surface::Mesh(mesh) => mesh.triangles.wear(wear),
+            Surface::Mesh(mesh) => mesh.wear(wear),
             Surface::Empty => {}
         }
     }

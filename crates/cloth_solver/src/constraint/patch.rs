@@ -9,7 +9,7 @@ use super::cells::{CellModel, ListedCells};
 use super::grid::{Stiffness, largest};
 use super::hinges::Hinges;
 use super::listed::{Listed, Work, pack};
-use super::triangles::Triangles;
+use super::triangles::{Of, Triangles};
 use super::wear::Wear;
 use crate::lanes::LANES;
 use crate::topology::{Along, regular_runs, threads};
@@ -108,7 +108,8 @@ impl Patch {
     /// Number of constraints, `of_cell` in each cell.
     pub fn count(&self, of_cell: usize, bends_weft: bool, bends_warp: bool) -> usize {
         let mut count = self.cells.count() * of_cell;
-        count += self.triangles.as_ref().map_or(0, Triangles::count) + self.hinges.as_ref().map_or(0, Hinges::count);
+        count += self.triangles.as_ref().map_or(0, |triangles| triangles.count(Of::All))
+            + self.hinges.as_ref().map_or(0, Hinges::count);
         for (along, bends) in [(Along::Weft, bends_weft), (Along::Warp, bends_warp)] {
             for [links, across] in self.listed(along).blocks.iter().map(Listed::count) {
                 count += links + if bends { across } else { 0 };
@@ -132,7 +133,7 @@ impl Patch {
             hinges.solve(simd, particles, h);
         }
         if let Some(triangles) = &mut self.triangles {
-            triangles.solve(simd, particles, h);
+            triangles.solve(simd, particles, h, Of::All);
         }
     }
 

@@ -69,7 +69,7 @@ impl Constraints {
                 }
             }
             (Surface::Mesh(mesh), method) if !method.steps_forces() && method != Method::Pbd => {
-                mesh.triangles.add_tensions(h, to);
+                mesh.add_tensions(topology, h, to);
             }
             (Surface::Grid(_) | Surface::Mesh(_), _) => self.strains(topology, particles, to),
             (Surface::Empty, _) => {}

@@ -14,6 +14,15 @@ use crate::lanes::{LANES, Vec3x8, splat};
 use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
 
+/// Which of the constraints of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// Stretch and shear.
+    All,
+    /// Shear alone: [`super::strips`] see to stretch.
+    Shear,
+}
+
 /// The triangles of a mesh, eight at a time.
 #[derive(Clone, Debug)]
 pub(crate) struct Triangles {
@@ -55,8 +64,9 @@ impl Triangles {
     }
 
     /// Number of constraints.
-    pub fn count(&self) -> usize {
-        self.batches.source.iter().flatten().flatten().count() * if self.shear > 0.0 { 3 } else { 2 }
+    pub fn count(&self, of: Of) -> usize {
+        let each = usize::from(self.shear > 0.0) + if of == Of::All { 2 } else { 0 };
+        self.batches.source.iter().flatten().flatten().count() * each
     }
 
     /// Takes over what became of the particles; `None` makes all as good as new.
@@ -106,7 +116,10 @@ impl Triangles {
 
     /// Solves every triangle once.
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32, of: Of) {
+        if of == Of::Shear && self.shear <= 0.0 {
+            return;
+        }
         let weft = splat(simd, 1.0 / (self.stretch_weft * h * h));
         let warp = splat(simd, 1.0 / (self.stretch_warp * h * h));
         let shear = splat(simd, 1.0 / (self.shear * h * h));
@@ -132,10 +145,12 @@ impl Triangles {
                 inverse_area *= f32x8::simd_from(simd, compliance[g]);
                 rest = f32x8::simd_from(simd, rest_factor[g]);
             }
-            let pull_weft = length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area, rest);
-            let pull_warp = length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area, rest);
-            if let Some(lambda) = &mut self.lambda {
-                lambda[g] = [pull_weft.into(), pull_warp.into()];
+            if of == Of::All {
+                let pull_weft = length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area, rest);
+                let pull_warp = length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area, rest);
+                if let Some(lambda) = &mut self.lambda {
+                    lambda[g] = [pull_weft.into(), pull_warp.into()];
+                }
             }
             if self.shear > 0.0 {
                 angle(simd, &mut x, &w, m, shear * inverse_area);

@@ -9,6 +9,7 @@ mod orient;
 mod pieces;
 mod recognise;
 mod renew;
+mod strip;
 mod surgery;
 mod weave;
 mod weld;
@@ -19,6 +20,7 @@ pub(crate) use hinge::hinge_angle;
 pub(crate) use lines::{Along, Thread, regular_runs, threads};
 pub use mesh::MeshSource;
 pub use pieces::Pieces;
+pub(crate) use strip::strips;
 pub(crate) use surgery::{Crossing, Surgery};
 pub(crate) use weave::Weave;
 

@@ -4,8 +4,8 @@ use fearless_simd::Simd;
 
 use crate::Soa3;
 use crate::lanes::{LANES, Vec3x8};
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, f32x8};
 
 /// Eight constraints on `N` particles each: `[corner][lane]`.
 pub(crate) type Group<const N: usize> = [[u32; LANES]; N];
@@ -74,7 +74,55 @@ pub(crate) fn gather3<S: Simd>(simd: S, v: &Soa3, slots: &[u32; LANES]) -> Vec3x
 /// The numbers at eight slots.
 #[inline(always)]
 pub(crate) fn gather<S: Simd>(simd: S, v: &[f32], slots: &[u32; LANES]) -> f32x8<S> {
-    f32x8::simd_from(simd, slots.map(|i| v[i as usize]))
+    let [a, b, c, d, e, f, g, h] = *slots;
+    let at = |i: u32| i as usize;
+    f32x8::simd_from(simd, [v[at(a)], v[at(b)], v[at(c)], v[at(d)], v[at(e)], v[at(f)], v[at(g)], v[at(h)]])
+}
+
+/// Three coordinates and one more number.
+pub(crate) type Packed = [f32; 4];
+
+/// Puts vectors together with a number each.
+pub(crate) fn pack(v: &Soa3, numbers: &[f32], to: &mut Vec<Packed>) {
+    to.clear();
+    to.extend(v.x.iter().zip(&v.y).zip(&v.z).zip(numbers).map(|(((x, y), z), number)| [*x, *y, *z, *number]));
+}
+
+/// Takes the vectors out again.
+pub(crate) fn unpack(from: &[Packed], v: &mut Soa3) {
+    for (((x, y), z), packed) in v.x.iter_mut().zip(&mut v.y).zip(&mut v.z).zip(from) {
+        [*x, *y, *z] = [packed[0], packed[1], packed[2]];
+    }
+}
+
+/// The vectors and numbers at eight slots: half the time of [`gather3`] and [`gather`].
+#[inline(always)]
+pub(crate) fn gather4<S: Simd>(simd: S, all: &[Packed], slots: &[u32; LANES]) -> (Vec3x8<S>, f32x8<S>) {
+    let [a, b, c, d, e, f, g, h] = *slots;
+    let pair = |i: u32, j: u32| {
+        let [first, second] = [i, j].map(|i| f32x4::simd_from(simd, all[i as usize]));
+        first.combine(second)
+    };
+    // A perfect shuffle each: x0 y0 z0 w0 x1 … becomes x0 x4 y0 y4 …, that x0 x2 x4 x6 y0 …, and that x0 x1 x2 ….
+    let (p0, p1) = pair(a, b).interleave(pair(e, f));
+    let (q0, q1) = pair(c, d).interleave(pair(g, h));
+    let ((even_xy, even_zw), (odd_xy, odd_zw)) = (p0.interleave(q0), p1.interleave(q1));
+    let ((x, y), (z, number)) = (even_xy.interleave(odd_xy), even_zw.interleave(odd_zw));
+    (Vec3x8 { x, y, z }, number)
+}
+
+/// The way back of [`gather4`], to slots which differ but for padding.
+#[inline(always)]
+pub(crate) fn scatter4<S: Simd>(value: Vec3x8<S>, number: f32x8<S>, all: &mut [Packed], slots: &[u32; LANES]) {
+    let [a, b, c, d, e, f, g, h] = *slots;
+    let ((even_xy, odd_xy), (even_zw, odd_zw)) = (value.x.deinterleave(value.y), value.z.deinterleave(number));
+    let ((p0, q0), (p1, q1)) = (even_xy.deinterleave(even_zw), odd_xy.deinterleave(odd_zw));
+    let ((ab, ef), (cd, gh)) = (p0.deinterleave(p1), q0.deinterleave(q1));
+    for (pair, [i, j]) in [(ab, [a, b]), (cd, [c, d]), (ef, [e, f]), (gh, [g, h])] {
+        let (first, second) = pair.split();
+        first.store_slice(&mut all[i as usize]);
+        second.store_slice(&mut all[j as usize]);
+    }
 }
 
 /// Writes to eight slots, which differ but for padding.
@@ -91,6 +139,25 @@ pub(crate) fn scatter3<S: Simd>(value: Vec3x8<S>, v: &mut Soa3, slots: &[u32; LA
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::splat;
+
+    #[test]
+    fn what_is_gathered_from_packed_numbers_is_what_is_there_and_goes_back_there() {
+        let all: Vec<Packed> = (0..20_u8).map(|i| [0.0, 0.25, 0.5, 0.75].map(|part| f32::from(i) + part)).collect();
+        let slots = [3, 17, 5, 0, 19, 8, 11, 2];
+        let mut scattered = all.clone();
+        fearless_simd::dispatch!(*crate::lanes::LEVEL, simd => {
+            let (v, number) = gather4(simd, &all, &slots);
+            for (lane, slot) in slots.iter().enumerate() {
+                assert_eq!([v.x[lane], v.y[lane], v.z[lane], number[lane]], all[*slot as usize]);
+            }
+            scatter4(v * splat(simd, 2.0), number, &mut scattered, &slots);
+        });
+        for (i, [x, y, z, number]) in all.iter().enumerate() {
+            let factor = if slots.contains(&(i as u32)) { 2.0 } else { 1.0 };
+            assert_eq!(scattered[i], [x * factor, y * factor, z * factor, *number]);
+        }
+    }
 
     #[test]
     fn a_group_never_names_a_particle_twice() {

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::force::MeshForces;
 use super::hinges::Hinges;
-use super::strips::Strips;
+use super::strips::{Packs, Strips};
 use super::tension::Tensions;
 use super::triangles::{Of, Triangles};
 use super::wear::Wear;
@@ -18,6 +18,7 @@ pub(super) struct MeshConstraints {
     triangles: Triangles,
     /// Stretch along weft and warp, where the method solves it along strips.
     strips: Option<Box<[Strips; 2]>>,
+    packs: Packs,
     hinges: Option<Hinges>,
     pub fabric: Fabric,
     /// Only for methods that step forces.
@@ -31,6 +32,7 @@ impl MeshConstraints {
         let mut made = Self {
             triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
             strips: None,
+            packs: Packs::default(),
             fabric: *fabric,
             forces: None,
             hinges: (bends && !topology.hinges.is_empty())
@@ -95,9 +97,7 @@ impl MeshConstraints {
             None => self.triangles.solve(simd, particles, h, Of::All),
             Some(strips) => {
                 self.triangles.solve(simd, particles, h, Of::Shear);
-                let [weft, warp] = &mut **strips;
-                weft.solve(simd, particles, h);
-                warp.solve(simd, particles, h);
+                self.packs.solve(simd, particles, &mut **strips, h);
             }
         }
     }

@@ -9,7 +9,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{gather, gather3, scatter3};
+use super::batch::{Packed, gather4, pack, scatter4, unpack};
 use super::lines::calm;
 use super::tension::Tensions;
 use super::wear::{GONE, Wear};
@@ -22,6 +22,12 @@ const REACH: usize = 5;
 
 /// T h²/(m l) that a particle under a lasting load is given the inertia for: see [`crate::method::xpbd`].
 const STATIC_LOAD: f32 = 0.25;
+
+/// A link with less than this T h²/(m l) asks for no inertia, even where a dozen meet.
+const NO_LOAD: f32 = 0.02;
+
+/// The band of most strips: in a mesh of evenly cut quads no wider one is needed.
+const NARROW: usize = 3;
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
@@ -59,15 +65,16 @@ struct Work {
     /// [`REACH`] to a link.
     factor: Vec<f32>,
     /// 1/pivot.
-    pivot: Vec<f32>,
+    inverse: Vec<f32>,
     right: Vec<f32>,
+    lambda: Vec<f32>,
 }
 
 impl Work {
     fn new(longest: usize) -> Self {
-        let len = longest * LANES;
-        let [pivot, right] = [vec![0.0; len], vec![0.0; len]];
-        Self { pull: Soa3::zeros(len), factor: vec![0.0; len * REACH], pivot, right }
+        let numbers = || vec![0.0; (longest + 2 * REACH) * LANES];
+        let factor = vec![0.0; (longest + 2 * REACH) * REACH * LANES];
+        Self { pull: Soa3::zeros(numbers().len()), factor, inverse: numbers(), right: numbers(), lambda: numbers() }
     }
 }
 
@@ -88,7 +95,7 @@ impl Strips {
         let strips = strips(topology, along, REACH);
         let mut shares = vec![0_u32; topology.triangles.len()];
         strips.iter().flatten().for_each(|triangle| shares[*triangle as usize] += 1);
-        let eights = pack(topology, strips).into_iter().map(|strips| {
+        let eights = by_eights(topology, strips).into_iter().map(|strips| {
             let mut eight = Eight::new(strips.iter().map(Vec::len).max().unwrap_or_default(), topology.padding());
             for (lane, strip) in strips.iter().enumerate() {
                 eight.add(topology, along, lane, strip, |triangle| {
@@ -136,18 +143,10 @@ impl Strips {
             }
         }
     }
-
-    /// Solves every strip once.
-    #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
-        for eight in &mut self.eights {
-            eight.solve(simd, particles, h, &mut self.work);
-        }
-    }
 }
 
 /// Puts strips together by eights of about the same length that share no particle.
-fn pack(topology: &Topology, mut strips: Vec<Vec<u32>>) -> Vec<Vec<Vec<u32>>> {
+fn by_eights(topology: &Topology, mut strips: Vec<Vec<u32>>) -> Vec<Vec<Vec<u32>>> {
     strips.sort_by_key(|strip| std::cmp::Reverse(strip.len()));
     let words = topology.slots().div_ceil(64);
     let mut eights: Vec<(Vec<Vec<u32>>, Vec<u64>)> = Vec::new();
@@ -211,92 +210,135 @@ impl Eight {
         }
     }
 
+    /// With factors in a band of `BAND` beside the diagonal.
     #[inline(always)]
-    fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32, work: &mut Work) {
-        let Particles { position, moved, inverse_mass, load: inertia, .. } = particles;
+    fn solve<S: Simd, const BAND: usize>(&mut self, simd: S, packs: &mut Packs, h: f32, work: &mut Work) {
+        let Packs { position, moved, load: inertia } = packs;
         let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
         let per_step = splat(simd, 1.0 / (h * h));
-        for k in 0..self.links.len() {
-            let link = &self.links[k];
-            // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
+        let count = self.links.len();
+        for (k, link) in self.links.iter().enumerate() {
+            // What is kept of link k stands behind that of `REACH` links that are none.
+            let at = k + REACH;
             let [a, b, c] = &link.corners;
-            let w = [gather(simd, inverse_mass, a), gather(simd, inverse_mass, b), gather(simd, inverse_mass, c)];
             let coefficient = [
                 f32x8::simd_from(simd, link.coefficient[0]),
                 f32x8::simd_from(simd, link.coefficient[1]),
                 f32x8::simd_from(simd, link.coefficient[2]),
             ];
             // Relative to the first corner, so that nothing is lost in large coordinates.
-            let (x, by) = (gather3(simd, position, a), gather3(simd, moved, a));
-            let before =
-                (gather3(simd, position, b) - x) * coefficient[1] + (gather3(simd, position, c) - x) * coefficient[2];
-            let f = before
-                + (gather3(simd, moved, b) - by) * coefficient[1]
-                + (gather3(simd, moved, c) - by) * coefficient[2];
+            let ((x_a, _), (x_b, _), (x_c, _)) =
+                (gather4(simd, position, a), gather4(simd, position, b), gather4(simd, position, c));
+            let ((by_a, w_a), (by_b, w_b), (by_c, w_c)) =
+                (gather4(simd, moved, a), gather4(simd, moved, b), gather4(simd, moved, c));
+            let before = (x_b - x_a) * coefficient[1] + (x_c - x_a) * coefficient[2];
+            let f = before + (by_b - by_a) * coefficient[1] + (by_c - by_a) * coefficient[2];
             let length = f.length();
             let normal = f * (one / length.max(tiny));
             let before = before * (one / before.length().max(tiny));
             let rest = f32x8::simd_from(simd, link.worn[1]);
-            let [w_a, w_b, w_c] = [
-                w[0] * coefficient[0] * coefficient[0],
-                w[1] * coefficient[1] * coefficient[1],
-                w[2] * coefficient[2] * coefficient[2],
+            let own = [
+                w_a * coefficient[0] * coefficient[0],
+                w_b * coefficient[1] * coefficient[1],
+                w_c * coefficient[2] * coefficient[2],
             ];
-            let last = load(simd, &self.lambda, k * LANES);
             // Twice, for the triangle on the other side of the thread.
-            let load_ratio = last * w_a.max(w_b).max(w_c) * splat(simd, -2.0);
+            let load_ratio = load(simd, &self.lambda, k * LANES) * own[0].max(own[1]).max(own[2]) * splat(simd, -2.0);
             let share = calm(simd, load_ratio, length - rest, one - before.dot(normal));
             let pull = normal + (before - normal) * share;
             // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
-            let own = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
-            let mut pivot = (w_a + w_b + w_c) * pull.dot(pull) + own;
+            let compliance = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
+            let mut pivot = (own[0] + own[1] + own[2]) * pull.dot(pull) + compliance;
             let mut right = rest - length;
             let mut u = [zero; REACH];
-            for j in (1..=self.band.min(k)).rev() {
-                let coupling = &link.coupling[j - 1];
-                let shared = w[0] * f32x8::simd_from(simd, coupling[0])
-                    + w[1] * f32x8::simd_from(simd, coupling[1])
-                    + w[2] * f32x8::simd_from(simd, coupling[2]);
-                let mut entry = shared * pull.dot(Vec3x8::load(simd, &work.pull, (k - j) * LANES));
-                for i in j + 1..=self.band.min(k) {
-                    entry = entry - u[i - 1] * load(simd, &work.factor, ((k - j) * REACH + i - j - 1) * LANES);
+            for j in (1..=BAND).rev() {
+                let [of_a, of_b, of_c] = &link.coupling[j - 1];
+                let shared = w_a * f32x8::simd_from(simd, *of_a)
+                    + w_b * f32x8::simd_from(simd, *of_b)
+                    + w_c * f32x8::simd_from(simd, *of_c);
+                u[j - 1] = shared * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
+                for i in j + 1..=BAND {
+                    let factor = load(simd, &work.factor, ((at - j) * REACH + i - j - 1) * LANES);
+                    u[j - 1] = u[j - 1] - u[i - 1] * factor;
                 }
-                u[j - 1] = entry;
             }
-            for j in 1..=self.band.min(k) {
-                let before = k - j;
-                let factor = u[j - 1] * load(simd, &work.pivot, before * LANES);
+            for j in 1..=BAND {
+                let factor = u[j - 1] * load(simd, &work.inverse, (at - j) * LANES);
                 pivot = pivot - u[j - 1] * factor;
-                right = right - factor * load(simd, &work.right, before * LANES);
-                store(factor, &mut work.factor, (k * REACH + j - 1) * LANES);
+                right = right - factor * load(simd, &work.right, (at - j) * LANES);
+                store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
             }
-            pull.store(&mut work.pull, k * LANES);
-            store(one / pivot.max(tiny), &mut work.pivot, k * LANES);
-            store(right, &mut work.right, k * LANES);
+            pull.store(&mut work.pull, at * LANES);
+            store(one / pivot.max(tiny), &mut work.inverse, at * LANES);
+            store(right, &mut work.right, at * LANES);
         }
-        let half = splat(simd, 0.5 / STATIC_LOAD);
-        for k in (0..self.links.len()).rev() {
-            let link = &self.links[k];
-            let mut lambda = load(simd, &work.right, k * LANES) * load(simd, &work.pivot, k * LANES);
-            for j in 1..=self.band.min(self.links.len() - 1 - k) {
-                let after = k + j;
-                lambda = lambda
-                    - load(simd, &work.factor, (after * REACH + j - 1) * LANES)
-                        * load(simd, &self.lambda, after * LANES);
+        // Nor does anything follow on the last link.
+        work.factor[(count + REACH) * REACH * LANES..(count + 2 * REACH) * REACH * LANES].fill(0.0);
+        work.lambda[(count + REACH) * LANES..(count + 2 * REACH) * LANES].fill(0.0);
+        let mut largest = zero;
+        for (k, link) in self.links.iter().enumerate().rev() {
+            let at = k + REACH;
+            let mut lambda = load(simd, &work.right, at * LANES) * load(simd, &work.inverse, at * LANES);
+            for j in 1..=BAND {
+                let factor = load(simd, &work.factor, ((at + j) * REACH + j - 1) * LANES);
+                lambda = lambda - factor * load(simd, &work.lambda, (at + j) * LANES);
             }
+            store(lambda, &mut work.lambda, at * LANES);
             store(lambda, &mut self.lambda, k * LANES);
-            let push = Vec3x8::load(simd, &work.pull, k * LANES) * lambda;
-            let wanted = (zero - lambda).max(zero) * half;
+            let push = Vec3x8::load(simd, &work.pull, at * LANES) * lambda;
             for i in 0..3 {
-                let corners = &link.corners[i];
                 let coefficient = f32x8::simd_from(simd, link.coefficient[i]);
-                let w = gather(simd, inverse_mass, corners);
-                scatter3(gather3(simd, moved, corners) + push * (w * coefficient), moved, corners);
-                let sum = gather(simd, inertia, corners) + wanted * coefficient * coefficient;
-                for lane in 0..LANES {
-                    inertia[corners[lane] as usize] = sum[lane];
+                let (by, w) = gather4(simd, moved, &link.corners[i]);
+                let weight = w * coefficient;
+                scatter4(by + push * weight, w, moved, &link.corners[i]);
+                largest = largest.max(zero - lambda * weight * coefficient);
+            }
+        }
+        if largest.reduce_max() > NO_LOAD {
+            self.record_load(inertia);
+        }
+    }
+
+    /// Adds the inertia that the loads ask for.
+    fn record_load(&self, inertia: &mut [f32]) {
+        for (k, link) in self.links.iter().enumerate() {
+            for lane in 0..LANES {
+                let tension = (-self.lambda[k * LANES + lane]).max(0.0) * (0.5 / STATIC_LOAD);
+                for (corners, coefficient) in link.corners.iter().zip(&link.coefficient) {
+                    inertia[corners[lane] as usize] += tension * coefficient[lane] * coefficient[lane];
                 }
             }
         }
+    }
+}
+
+/// What strips work on.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Packs {
+    /// Positions.
+    position: Vec<Packed>,
+    /// Moves and inverse masses.
+    moved: Vec<Packed>,
+    load: Vec<f32>,
+}
+
+impl Packs {
+    /// Solves every strip of `all` once.
+    #[inline(always)]
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, all: &mut [Strips], h: f32) {
+        pack(&particles.position, &particles.inverse_mass, &mut self.position);
+        pack(&particles.moved, &particles.inverse_mass, &mut self.moved);
+        std::mem::swap(&mut self.load, &mut particles.load);
+        for Strips { eights, work, .. } in all {
+            for eight in eights {
+                if eight.band <= NARROW {
+                    eight.solve::<S, NARROW>(simd, self, h, work);
+                } else {
+                    eight.solve::<S, REACH>(simd, self, h, work);
+                }
+            }
+        }
+        std::mem::swap(&mut self.load, &mut particles.load);
+        unpack(&self.moved, &mut particles.moved);
     }
 }

@@ -8,7 +8,7 @@ use cloth_solver::{Cloth, Fabric, Particles, Topology};
 
 use crate::cloth::{ClothHistory, ClothTopology};
 use crate::events::ClothRecovered;
-use crate::prepare::{StepPlan, hang};
+use crate::prepare::StepPlan;
 use crate::report::report;
 use crate::step::{ClothTick, clear_forces};
 use crate::weights::Loads;
@@ -48,7 +48,7 @@ pub(crate) fn recover(
     }
     fresh.constraints.grabs = std::mem::take(&mut constraints.grabs);
     let pins = constraints.pins().clone();
-    if let Err(error) = hang(pins, topology, fabric, &mut fresh.particles, &mut fresh.constraints) {
+    if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, pins) {
         error!("the pins of a recovered cloth were lost: {error}");
     }
     (*particles, *constraints) = (fresh.particles, fresh.constraints);

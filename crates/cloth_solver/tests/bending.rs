@@ -67,6 +67,21 @@ fn a_clamped_strip_droops_as_the_elastica_on_two_grids() {
     }
 }
 
+#[test]
+fn a_clamped_strip_of_an_irregular_mesh_droops_as_the_elastica() {
+    let (cells, gammas) = (40, [ELASTICA[1], ELASTICA[3]]);
+    let spacing = LENGTH / cells as f32;
+    for (gamma, expected) in gammas {
+        let (flat, triangles) = irregular(Vec2::new(LENGTH, 6.0 * spacing), [cells, 6]);
+        let source = MeshSource { positions: &flat, uvs: &[], indices: triangles.as_flattened() };
+        let mut topology = Topology::from_mesh(source).unwrap();
+        horizontal(&mut topology);
+        let cloth = Cloth::new(Arc::new(topology), &fabric(gamma, spacing)).unwrap();
+        let found = droop(&mut clamp(cloth, spacing), spacing);
+        assert!((found / expected - 1.0).abs() < 0.05, "{found}, not {expected} at Γ = {gamma}");
+    }
+}
+
 /// Two triangles over an edge, folded by `angle`, without gravity.
 fn folded(angle: f32) -> Cloth {
     let (sin, cos) = angle.sin_cos();

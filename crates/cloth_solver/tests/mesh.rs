@@ -76,6 +76,35 @@ fn a_mesh_whose_triangles_share_no_vertex_hangs_together() {
     assert!(measure::largest_strain(&cloth.topology, &cloth.particles) < 0.05);
 }
 
+/// An irregular square metre of cotton hung by its upper corners or its upper edge, after four seconds.
+fn hung(corners: bool, substeps: u32) -> Cloth {
+    let (positions, triangles) = irregular(Vec2::ONE, [24, 24]);
+    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let mut cloth = Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), &fabric).unwrap();
+    let held = |p: &u32| {
+        let rest = cloth.topology.rest[*p as usize];
+        rest.y > 0.499 && (!corners || rest.x.abs() > 0.499)
+    };
+    let pinned: Vec<u32> = cloth.topology.particles().filter(held).collect();
+    pin_top(&mut cloth, pinned);
+    for _ in 0..240 {
+        cloth.step(Tick { substeps, ..TICK }, GRAVITY);
+    }
+    cloth
+}
+
+#[test]
+fn an_irregular_mesh_hung_by_two_corners_keeps_its_size_and_comes_to_rest() {
+    for (corners, substeps, most) in [(true, 10, 0.02), (true, 5, 0.04), (false, 10, 0.002)] {
+        let cloth = hung(corners, substeps);
+        let strain = measure::largest_strain(&cloth.topology, &cloth.particles);
+        assert!(strain < most, "{strain} with {substeps} substeps");
+        let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
+        assert!(speed < 0.01, "{speed} m/s");
+    }
+}
+
 #[test]
 fn a_mesh_hangs_where_the_rectangle_does() {
     let size = Vec2::new(0.6, 0.6);

@@ -1,9 +1,8 @@
 //! What pins hang on, and how it moves from tick to tick.
 
 use bevy::prelude::*;
-use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::{Pin, Pins as SolverPins};
-use cloth_solver::{ClothError, Fabric, Motion, Particles, Pose, Soa3, Topology};
+use cloth_solver::{ClothError, Motion, Pose, Soa3, Topology};
 
 use super::placement::Placements;
 use super::relative;
@@ -36,19 +35,6 @@ pub(crate) struct Anchors(Vec<Anchor>);
 /// Whether `error` says that a pin's entity is not there (yet).
 pub(crate) fn waits_for_entity(error: &ClothError) -> bool {
     matches!(error, ClothError::OutOfRange { field: TARGET_ENTITY, .. })
-}
-
-/// Hangs the cloth on `pins`, and ties a mesh that is swept to them, so that it stretches no farther than its fabric.
-pub(crate) fn hang(
-    pins: SolverPins,
-    topology: &Topology,
-    fabric: &Fabric,
-    particles: &mut Particles,
-    constraints: &mut Constraints,
-) -> Result<(), ClothError> {
-    constraints.set_pins(particles, pins)?;
-    constraints.set_tethers(topology, topology.grid.is_none().then_some(fabric.stretch_limit));
-    Ok(())
 }
 
 /// The solver's pins for `pins`, made at the present `position` of the particles, and what they hang on.

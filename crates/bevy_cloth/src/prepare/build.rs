@@ -168,9 +168,7 @@ impl WantedItem<'_, '_> {
         self.authored.faults.pins = None;
         if let Some(pins) = self.pins() {
             let made = anchors::make(pins, &topology, &skin.0, &particles.position, &frame, placements);
-            let hung = made.and_then(|(pins, anchors)| {
-                anchors::hang(pins, &topology, &fabric, &mut particles, &mut constraints).map(|()| anchors)
-            });
+            let hung = made.and_then(|(pins, anchors)| constraints.set_pins(&mut particles, pins).map(|()| anchors));
             match hung {
                 Ok(made) => anchors = made,
                 Err(error) => self.authored.faults.pins = Some(error),
@@ -211,7 +209,7 @@ impl RunningItem<'_, '_> {
         let (mut particles, mut constraints) = (new.particles, new.constraints);
         self.loads.hang(&mut particles)?;
         let pins = self.constraints.pins().clone();
-        anchors::hang(pins, &self.topology.0, fabric, &mut particles, &mut constraints)?;
+        constraints.set_pins(&mut particles, pins)?;
         let old = &mut *self.particles;
         std::mem::swap(&mut particles.position, &mut old.position);
         std::mem::swap(&mut particles.previous, &mut old.previous);
@@ -241,7 +239,7 @@ impl RunningItem<'_, '_> {
             Err(error) => (SolverPins::default(), Anchors::default(), Err(error)),
         };
         *self.anchors = anchors;
-        anchors::hang(pins, &self.topology.0, &wanted.fabric(), &mut self.particles, &mut self.constraints)?;
+        self.constraints.set_pins(&mut self.particles, pins)?;
         result
     }
 }

@@ -19,7 +19,7 @@ use cloth_solver::forces::{Fan, WindZone};
 use crate::air;
 use crate::schedule::{ClothSchedule, ClothSystems};
 
-pub(crate) use anchors::{Anchors, hang};
+pub(crate) use anchors::Anchors;
 pub(crate) use authored::Authored;
 pub(crate) use collider::ColliderState;
 pub(crate) use frame::StepPlan;

@@ -32,6 +32,15 @@ impl Mesh {
         }
     }
 
+    /// Where the clamp of two columns ends, in columns: where they end, but for the rows of a rectangle, which bend at their
+    /// particles, half a column to either side.
+    fn clamp(self) -> f32 {
+        match self {
+            Self::Grid(_) => 0.5,
+            Self::Turned(_) => 1.0,
+        }
+    }
+
     /// Distance between two columns of particles, m.
     fn column(self) -> f32 {
         match self {
@@ -40,10 +49,10 @@ impl Mesh {
     }
 }
 
-/// A strip clamped at x = −L/2, free over all but half a column; Γ is that of its free length.
+/// A strip clamped at x = −L/2, free from the end of the clamp on; Γ is that of its free length.
 fn clamped(mesh: Mesh, gamma: f64, method: Method) -> Result<Cloth, ClothError> {
     let column = mesh.column();
-    let bend = (f64::from(DENSITY) * G * f64::from(LENGTH - 0.5 * column).powi(3) / gamma) as f32;
+    let bend = (f64::from(DENSITY) * G * f64::from(LENGTH - mesh.clamp() * column).powi(3) / gamma) as f32;
     let fabric =
         Fabric { areal_density: DENSITY, bend_warp: bend, bend_weft: bend, damping: 5.0, ..Fabric::COTTON_POPLIN };
     let mut cloth = match mesh {
@@ -55,7 +64,7 @@ fn clamped(mesh: Mesh, gamma: f64, method: Method) -> Result<Cloth, ClothError> 
     };
     // Let go from the known answer: where it is not the method's own, it leaves.
     let held = |rest: Vec3| rest.x < -0.5 * LENGTH + 1.5 * column;
-    let (clamp, free) = (-0.5 * LENGTH + 0.5 * column, LENGTH - 0.5 * column);
+    let (clamp, free) = (-0.5 * LENGTH + mesh.clamp() * column, LENGTH - mesh.clamp() * column);
     let curve = closed::elastica_curve(gamma);
     rig::put(&mut cloth, |rest| {
         if held(rest) {
@@ -117,7 +126,7 @@ fn droop(mesh: Mesh, gamma: f64, method: Method, seconds: f32) -> Result<f64, Cl
         cloth.step(budget(method), GRAVITY);
         tip += rig::mean(&cloth, |rest| rest.x > 0.499 * LENGTH) / samples as f32;
     }
-    let clamp = -0.5 * LENGTH + 0.5 * mesh.column();
+    let clamp = -0.5 * LENGTH + mesh.clamp() * mesh.column();
     Ok(f64::from(-tip.y) / f64::from(tip.x - clamp))
 }
 

@@ -25,9 +25,7 @@ pub fn tearing(bench: &mut Bench) -> Result<(), ClothError> {
             for strength in [200.0_f32, 400.0] {
                 let whole = torn_at(method, cells, as_mesh, strength, None)?;
                 let what = format!("weight that tears a {kind} {cells} cells wide of {strength} N/m, N");
-                // The loads of a mesh, which is swept and not solved, differ from particle to particle: the largest counts.
-                let bound = Bound::Relative(if as_mesh { 0.2 } else { 0.02 });
-                bench.claim(CHECK, what, method, whole, f64::from(strength * WIDTH), bound);
+                bench.claim(CHECK, what, method, whole, f64::from(strength * WIDTH), Bound::Relative(0.02));
                 if strength == 400.0 {
                     let notched = torn_at(method, cells, as_mesh, strength, Some(0.5))?;
                     let what =

@@ -18,8 +18,9 @@ const NOTES: &str = "\
   phase, Runge–Kutta by (ωh)⁴/120. Implicit Euler, and XPBD on a single spring, fade by (1 + ω²h²)^(−1/2) a step.
 - **Pendulum.** The same cell swings with all its free mass 1 m below its hinge. Projection (PBD) loses energy: known too.
 - **Hanging strip.** The elongation σgL²/(2Y) holds at the nodes of a lumped grid exactly.
-- **Cantilever.** The curve is the heavy elastica, solved by shooting. Two columns are clamped; the strip is free from
-  halfway between them. The mesh turned by 45° is a general mesh of diamonds, whose bending is that of hinges.
+- **Cantilever.** The curve is the heavy elastica, solved by shooting. Two columns are clamped; a rectangle, whose
+  rows bend at their particles, is free from halfway between them. The mesh turned by 45° is a general mesh of diamonds,
+  whose bending is that of triangles; it is free from where the clamped columns end.
 - **Membrane.** Expected are the frequencies of the grid of 20 cells; the continuous ones are 5.0000, 7.9057, 10.0000 Hz.
 - **Stiffness in the plane.** A free square is pulled at its border. The energies are those of a membrane without Poisson
   effect: 1/E(45°) = (1/Y_u + 1/Y_v + 1/G)/4, and across it (1/Y_u + 1/Y_v − 1/G)/4.

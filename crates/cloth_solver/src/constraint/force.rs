@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::bending::Bending;
 use super::grid::GridConstraints;
 use super::wear::Condition;
 use crate::topology::{Along, Thread, hinge_angle, threads};
@@ -141,7 +142,9 @@ pub(super) struct MeshForces {
     topology: Topology,
     fabric: Fabric,
     triangles: Vec<u32>,
-    /// Those of its hinges with one of the triangles, and N·m per rad² of each.
+    /// Of a mesh that never was a grid.
+    bending: Option<Bending>,
+    /// Else those of its hinges with one of the triangles, and N·m per rad² of each.
     hinges: Vec<(u32, f32)>,
 }
 
@@ -151,16 +154,20 @@ impl MeshForces {
         let mut named = vec![false; topology.triangles.len()];
         which.iter().for_each(|triangle| named[*triangle as usize] = true);
         let hinges = (topology.hinge_triangles.iter().enumerate())
-            .filter(|(_, sharing)| sharing.iter().any(|triangle| named[*triangle as usize]))
+            .filter(|(_, sharing)| topology.grid.is_some() && sharing.iter().any(|triangle| named[*triangle as usize]))
             .map(|(hinge, _)| (hinge as u32, topology.stiffness_of(hinge, fabric)));
-        Self { hinges: hinges.collect(), topology: topology.clone(), fabric: *fabric, triangles: which }
+        let bending = if topology.grid.is_none() { Bending::new(topology, fabric) } else { None };
+        Self { hinges: hinges.collect(), bending, topology: topology.clone(), fabric: *fabric, triangles: which }
     }
 
     /// Force on each slot of cloth in `condition`, N, added to `force`.
     pub fn add(&self, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
-        let Self { topology, fabric, triangles, hinges } = self;
+        let Self { topology, fabric, triangles, bending, hinges } = self;
         for triangle in triangles.iter().map(|triangle| *triangle as usize) {
             of_triangle(topology, fabric, condition, triangle, position, force);
+        }
+        if let Some(bending) = bending {
+            bending.add_forces(position, force);
         }
         for (hinge, stiffness) in hinges {
             let (slots, rest) = (topology.hinges[*hinge as usize], topology.hinge_rest[*hinge as usize]);

@@ -1,7 +1,8 @@
-//! The constraints of a mesh that is no grid: hinges, then triangles, then strips of triangles.
+//! The constraints of a mesh that is no grid: bending, then triangles, then strips of triangles.
 
 use fearless_simd::Simd;
 
+use super::bending::Bending;
 use super::force::MeshForces;
 use super::hinges::Hinges;
 use super::strips::{Packs, Strips};
@@ -19,6 +20,8 @@ pub(super) struct MeshConstraints {
     /// Stretch along weft and warp, where the method solves it along strips.
     strips: Option<Box<[Strips; 2]>>,
     packs: Packs,
+    bending: Option<Box<Bending>>,
+    /// Instead, where bending is rigid.
     hinges: Option<Hinges>,
     pub fabric: Fabric,
     /// Only for methods that step forces.
@@ -28,15 +31,14 @@ pub(super) struct MeshConstraints {
 impl MeshConstraints {
     pub fn new(topology: &Topology, fabric: &Fabric, method: Method) -> Self {
         let all = |count: usize| (0..count as u32).collect::<Vec<_>>();
-        let bends = fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0;
         let mut made = Self {
             triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
             strips: None,
-            packs: Packs::default(),
+            packs: Packs::new(topology.slots()),
+            bending: None,
+            hinges: None,
             fabric: *fabric,
             forces: None,
-            hinges: (bends && !topology.hinges.is_empty())
-                .then(|| Hinges::new(topology, &all(topology.hinges.len()), fabric)),
         };
         made.prepare(topology, method);
         made
@@ -49,6 +51,16 @@ impl MeshConstraints {
                 let all = (0..topology.triangles.len() as u32).collect();
                 Box::new(MeshForces::new(topology, all, &self.fabric))
             });
+        }
+        let fabric = &self.fabric;
+        let bends = !method.steps_forces() && (fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0);
+        let is_rigid = method == Method::Pbd;
+        if (bends && is_rigid) != self.hinges.is_some() {
+            let all: Vec<u32> = (0..topology.hinges.len() as u32).collect();
+            self.hinges = (bends && is_rigid).then(|| Hinges::new(topology, &all, fabric));
+        }
+        if (bends && !is_rigid) != self.bending.is_some() {
+            self.bending = if bends && !is_rigid { Bending::new(topology, fabric).map(Box::new) } else { None };
         }
         if (method == Method::XpbdLines) != self.strips.is_some() {
             let strips = |along| Strips::new(topology, along, &self.fabric);
@@ -85,11 +97,15 @@ impl MeshConstraints {
             Some(strips) => self.triangles.count(Of::Shear) + strips.iter().map(Strips::count).sum::<usize>(),
             None => self.triangles.count(Of::All),
         };
-        of_triangles + self.hinges.as_ref().map_or(0, Hinges::count)
+        let bends = self.bending.as_ref().map_or(0, |bending| bending.count());
+        of_triangles + bends + self.hinges.as_ref().map_or(0, Hinges::count)
     }
 
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+        if let Some(bending) = &mut self.bending {
+            bending.solve(simd, particles, h);
+        }
         if let Some(hinges) = &self.hinges {
             hinges.solve(simd, particles, h);
         }

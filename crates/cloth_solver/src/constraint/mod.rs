@@ -1,6 +1,7 @@
 //! The constraints of one cloth, one file per kind, and the order in which a substep solves them.
 
 pub(crate) mod batch;
+mod bending;
 mod cells;
 mod damping;
 mod force;
@@ -137,8 +138,9 @@ impl Constraints {
     /// removes all tethers. They are found from the pins as they are now: set pins first. Methods that step forces take no
     /// notice.
     ///
-    /// For meshes that are no rectangle, which are swept: what hangs on few pins they stretch many times as far as the
-    /// fabric does. A rectangle needs none.
+    /// They hold stretch that is not solved for, and carry what they hold outside the fabric: no tension tells of it and
+    /// nothing tears. Cloth advanced along lines needs none, swept cloth that hangs on few pins stretches many times as far
+    /// as its fabric without.
     pub fn set_tethers(&mut self, topology: &Topology, slack: Option<f32>) {
         let pinned = self.pins.pins.iter().map(|pin| pin.particle);
         self.tethers = slack.map(|slack| Tethers::new(topology, pinned, slack));
@@ -166,7 +168,7 @@ impl Constraints {
     }
 
     /// Takes over how worn the fabric is around each particle; `None` makes it as good as new. To be told again once the
-    /// cloth was taken apart. The hinges of a mesh that is no grid stay as stiff as they were.
+    /// cloth was taken apart. A mesh that is no grid stays as stiff against bending as it was.
     pub fn wear(&mut self, wear: Option<Wear<'_>>) {
         match wear {
             Some(wear) => self.worn.get_or_insert_default().update(wear),
@@ -179,7 +181,7 @@ impl Constraints {
         }
     }
 
-    /// Number of constraints solved in a substep: one per stretched edge, bend, shear, twist, hinge and tether.
+    /// Number of constraints solved in a substep: one per stretched edge or triangle, bend, shear, twist, hinge and tether.
     pub fn count(&self) -> usize {
         let tethers = self.tethers.as_ref().map_or(0, Tethers::count);
         tethers

@@ -259,13 +259,13 @@ impl Eight {
                 u[j - 1] = shared * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
                 for i in j + 1..=BAND {
                     let factor = load(simd, &work.factor, ((at - j) * REACH + i - j - 1) * LANES);
-                    u[j - 1] = u[j - 1] - u[i - 1] * factor;
+                    u[j - 1] -= u[i - 1] * factor;
                 }
             }
             for j in 1..=BAND {
                 let factor = u[j - 1] * load(simd, &work.inverse, (at - j) * LANES);
-                pivot = pivot - u[j - 1] * factor;
-                right = right - factor * load(simd, &work.right, (at - j) * LANES);
+                pivot -= u[j - 1] * factor;
+                right -= factor * load(simd, &work.right, (at - j) * LANES);
                 store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
             }
             pull.store(&mut work.pull, at * LANES);
@@ -281,7 +281,7 @@ impl Eight {
             let mut lambda = load(simd, &work.right, at * LANES) * load(simd, &work.inverse, at * LANES);
             for j in 1..=BAND {
                 let factor = load(simd, &work.factor, ((at + j) * REACH + j - 1) * LANES);
-                lambda = lambda - factor * load(simd, &work.lambda, (at + j) * LANES);
+                lambda -= factor * load(simd, &work.lambda, (at + j) * LANES);
             }
             store(lambda, &mut work.lambda, at * LANES);
             store(lambda, &mut self.lambda, k * LANES);
@@ -323,6 +323,12 @@ pub(super) struct Packs {
 }
 
 impl Packs {
+    /// For that many slots.
+    pub fn new(slots: usize) -> Self {
+        let [position, moved] = [(); 2].map(|()| Vec::with_capacity(slots));
+        Self { position, moved, load: Vec::new() }
+    }
+
     /// Solves every strip of `all` once.
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, all: &mut [Strips], h: f32) {

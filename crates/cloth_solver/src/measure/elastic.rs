@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{deformation, lines};
-use crate::topology::{Along, hinge_angle};
+use crate::topology::{Along, Curvature, curvatures, hinge_angle};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
 /// Elastic energy of a cloth of `fabric` against its rest shape, J: stretch, shear and bending.
@@ -20,13 +20,16 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 /// Any other mesh, and what of a rectangle was cut loose, per triangle or hinge:
 /// - stretch and shear: `½ A (Y_u ε_u² + Y_v ε_v² + G (f_u·f_v)²)`; `f_u`, `f_v` what unit weft and warp threads have
 ///   become, `ε` their elongations;
-/// - bending and twist: `½ (D b/s) (θ − θ₀)²`, see [`Topology::hinge_stiffness`].
+/// - bending and twist of a mesh that never was a rectangle: `½ A (D_u κ_u² + D_v κ_v² + 2 D κ_uv²)`, κ the curvatures of the
+///   paraboloid through the triangle's and its neighbours' corners, less those at rest;
+/// - of what was cut loose from a rectangle: `½ (D b/s) (θ − θ₀)²`, see [`Topology::hinge_stiffness`].
 pub fn elastic_energy(topology: &Topology, particles: &Particles, fabric: &Fabric) -> f64 {
     let positions = &particles.position;
     let woven = topology
         .grid
         .map_or(0.0, |grid| threads(topology, positions, fabric) + cells(topology, grid, positions, fabric));
-    woven + triangles(topology, positions, fabric) + hinges(topology, positions, fabric)
+    let bent = if topology.grid.is_some() { hinges } else { curved };
+    woven + triangles(topology, positions, fabric) + bent(topology, positions, fabric)
 }
 
 /// Position of a slot, m.
@@ -91,6 +94,18 @@ fn triangles(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
         .sum()
 }
 
+/// Bending of a mesh, J.
+fn curved(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
+    let energy = |curvature: Curvature| {
+        let at = |slot| at(positions, slot);
+        let now = curvature.at(at);
+        let targets = curvature.targets(now, at, |slot| topology.rest[slot as usize].as_dvec3());
+        let of = |i: usize| 0.5 * curvature.stiffness(fabric)[i] * (now[i] - targets[i]).length_squared();
+        (0..3).map(of).sum::<f64>()
+    };
+    curvatures(topology).into_iter().map(energy).sum()
+}
+
 /// Bending of the hinges of those triangles, J.
 fn hinges(topology: &Topology, positions: &Soa3, fabric: &Fabric) -> f64 {
     let mut is_loose = vec![false; topology.triangles.len()];
@@ -122,6 +137,7 @@ mod tests {
     use glam::{Quat, UVec2, Vec2, Vec3};
 
     use super::*;
+    use crate::topology::curvature::tests::irregular;
     use crate::topology::{MeshSource, Resolution};
 
     const SIZE: Vec2 = Vec2::new(1.2, 0.8);
@@ -201,6 +217,29 @@ mod tests {
                     if along_warp { Vec3::new(p.x, across, depth) } else { Vec3::new(across, p.y, depth) }
                 });
                 assert_close(cost, 0.5 * 3e-3 * AREA / radius.powi(2), 0.03);
+            }
+        }
+    }
+
+    #[test]
+    fn rolling_an_irregular_mesh_costs_the_same_whichever_way() {
+        let topology = irregular(24);
+        let radius = 2.0_f64;
+        for (bend_warp, bend_weft) in [(2e-3, 2e-3), (3e-3, 1e-3)] {
+            let fabric = Fabric { bend_warp, bend_weft, ..LIMP };
+            for degrees in [0.0_f64, 22.5, 45.0, 67.5, 90.0, 120.0, 150.0] {
+                let along = glam::DVec2::from_angle(degrees.to_radians());
+                let cost = energy(&topology, &fabric, |p| {
+                    let p = p.as_dvec3().truncate();
+                    let (s, t) = (p.dot(along) / radius, p.perp_dot(along));
+                    let flat = along * (radius * s.sin()) - along.perp() * t;
+                    flat.extend(radius - radius * s.cos()).as_vec3()
+                });
+                // κ_uu, κ_vv and κ_uv of 1/r along the way it is rolled.
+                let [u, v] = [along.x * along.x, along.y * along.y];
+                let [warp, weft] = [bend_warp, bend_weft].map(f64::from);
+                let bend = weft * u * u + warp * v * v + (weft + warp) * u * v;
+                assert_close(cost, 0.5 * bend / radius.powi(2), 0.04);
             }
         }
     }

@@ -29,8 +29,8 @@ pub enum Method {
     Pbd,
     /// Small-steps XPBD (Macklin et al. 2019), constraints swept one after the other, in colours.
     XpbdSweeps,
-    /// Small-steps XPBD, exact along the warp and weft lines of a rectangle, with its shear as a smoothed stress. The
-    /// default. Any other mesh is swept.
+    /// Small-steps XPBD, exact along the warp and weft lines of a rectangle, with its shear as a smoothed stress; on any
+    /// other mesh exact along strips of triangles, with implicit bending. The default.
     #[default]
     XpbdLines,
 }

@@ -1,6 +1,7 @@
 //! What is connected to what, at rest: particles, triangles, edges, hinges, and the way back to render vertices.
 
 mod change;
+pub(crate) mod curvature;
 mod grid;
 mod hinge;
 mod lines;
@@ -15,6 +16,7 @@ mod weave;
 mod weld;
 
 pub use change::{Born, BornVertex, Change};
+pub(crate) use curvature::{Curvature, curvatures};
 pub use grid::Resolution;
 pub(crate) use hinge::hinge_angle;
 pub(crate) use lines::{Along, Thread, regular_runs, threads};

@@ -12,7 +12,7 @@ use super::hinge::corner;
 use super::{Along, Topology};
 
 /// No triangle.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Sine of the angle at which a thread no longer crosses an edge but runs along it.
 const ALONG: f32 = 1e-3;
@@ -71,7 +71,7 @@ fn divide(topology: &Topology, thread: Vec<u32>, reach: usize, strips: &mut Vec<
 }
 
 /// The triangle over each side of each triangle, the side opposite to a corner at that corner's place.
-fn neighbours(topology: &Topology) -> Vec<[u32; 3]> {
+pub(super) fn neighbours(topology: &Topology) -> Vec<[u32; 3]> {
     let mut neighbours = vec![[NONE; 3]; topology.triangles.len()];
     for ([_, _, c, d], [of_c, of_d]) in topology.hinges.iter().zip(&topology.hinge_triangles) {
         neighbours[*of_c as usize][corner(topology.triangles[*of_c as usize], *c)] = *of_d;

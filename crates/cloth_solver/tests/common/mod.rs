@@ -25,6 +25,26 @@ pub fn rectangle(width: f32, height: f32, columns: u32, rows: u32, fabric: &Fabr
     Cloth::new(Arc::new(topology), fabric).unwrap()
 }
 
+/// A sheet in the xy plane about the origin of `columns` × `rows` quads whose inner corners lie up to a quarter of a cell off
+/// their places, each cut one way or the other: positions and triangles.
+pub fn irregular(size: Vec2, [columns, rows]: [u32; 2]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let noise = |i: u32| f32::from((i.wrapping_mul(2_654_435_761) >> 16) as u16) / 65_536.0 - 0.5;
+    let at = |i: u32, j: u32| j * (columns + 1) + i;
+    let cells = Vec2::new(columns as f32, rows as f32);
+    let place = |i: u32, j: u32| {
+        let inner = (1..columns).contains(&i) && (1..rows).contains(&j);
+        let off = if inner { 0.5 * Vec2::new(noise(2 * at(i, j)), noise(2 * at(i, j) + 1)) } else { Vec2::ZERO };
+        (((Vec2::new(i as f32, j as f32) + off) / cells - 0.5) * size).extend(0.0)
+    };
+    let positions = (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| place(i, j)).collect();
+    let quads = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+    let triangles = quads.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        if noise(7 * a + 3) > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    });
+    (positions, triangles.collect())
+}
+
 /// Pins the particles of the top row in the given columns where they are.
 pub fn pin_top(cloth: &mut Cloth, columns: impl IntoIterator<Item = u32>) {
     let pins = columns.into_iter().map(|particle| Pin {

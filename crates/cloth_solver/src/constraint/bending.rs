@@ -68,20 +68,6 @@ impl Bending {
             return None;
         }
         let all = curvatures(topology);
-        let mut entries: Vec<Vec<(u32, f64)>> = vec![Vec::new(); topology.slots()];
-        for curvature in &all {
-            let stiffness = curvature.stiffness(fabric);
-            for (i, of_i) in &curvature.parts {
-                for (j, of_j) in &curvature.parts {
-                    let entry: f64 = (0..3).map(|a| stiffness[a] * of_i[a] * of_j[a]).sum();
-                    let row = &mut entries[*i as usize];
-                    match row.iter_mut().find(|(column, _)| column == j) {
-                        Some((_, sum)) => *sum += entry,
-                        None => row.push((*j, entry)),
-                    }
-                }
-            }
-        }
         let mut made = Self {
             rows: Vec::with_capacity(topology.slots()),
             columns: Vec::new(),
@@ -92,22 +78,41 @@ impl Bending {
             rest: Vec::new(),
             work: Work::new(topology.slots()),
         };
-        for (slot, mut row) in entries.into_iter().enumerate() {
-            row.sort_unstable_by_key(|(column, _)| *column);
-            let first = made.columns.len() as u32;
-            for (column, value) in row {
-                if column as usize == slot {
-                    made.diagonal[slot] = value as f32;
-                } else {
-                    made.columns.push(column);
-                    made.values.push(value as f32);
+        let stiffness: Vec<[f64; 3]> = all.iter().map(|curvature| curvature.stiffness(fabric)).collect();
+        let mut terms = vec![Vec::new(); topology.slots()];
+        for (index, curvature) in all.iter().enumerate() {
+            curvature.parts.iter().for_each(|(slot, weights)| terms[*slot as usize].push((index, weights)));
+        }
+        // A row at a time: the sum for each column, and which columns there are.
+        let mut sums = vec![0.0; topology.slots()];
+        let mut columns: Vec<u32> = Vec::new();
+        for (slot, terms) in terms.iter().enumerate() {
+            for (index, weights) in terms {
+                let pull: [f64; 3] = core::array::from_fn(|a| stiffness[*index][a] * weights[a]);
+                for (column, of) in &all[*index].parts {
+                    let sum = &mut sums[*column as usize];
+                    if *sum == 0.0 {
+                        columns.push(*column);
+                    }
+                    *sum += pull[0] * of[0] + pull[1] * of[1] + pull[2] * of[2];
                 }
             }
-            while !(made.columns.len() - first as usize).is_multiple_of(ABREAST) {
+            columns.sort_unstable();
+            let first = made.columns.len();
+            for column in columns.drain(..) {
+                let value = std::mem::take(&mut sums[column as usize]) as f32;
+                if column as usize == slot {
+                    made.diagonal[slot] += value;
+                } else if value != 0.0 {
+                    made.columns.push(column);
+                    made.values.push(value);
+                }
+            }
+            while !(made.columns.len() - first).is_multiple_of(ABREAST) {
                 made.columns.push(slot as u32);
                 made.values.push(0.0);
             }
-            made.rows.push([first, made.columns.len() as u32]);
+            made.rows.push([first, made.columns.len()].map(|at| at as u32));
         }
         made.curved = (all.into_iter().filter(|curvature| !curvature.is_flat()))
             .map(|curvature| {

@@ -27,11 +27,8 @@ const SINGULAR: f64 = 1e-4;
 /// A mesh is flat where its curvature at rest times the size of a triangle is below this.
 const FLAT: f64 = 1e-3;
 
-/// Sums over particles: the weights of each, for every component.
-type Weights<const N: usize> = Vec<(u32, [f64; N])>;
-
-/// Along weft, along warp, twist.
-type Curvatures = Weights<3>;
+/// Sums over particles: the weights of each, along weft, along warp and for twist.
+type Curvatures = Vec<(u32, [f64; 3])>;
 
 /// Curvature of the surface around one triangle, a vector each (in a sheet that does not stretch along its normal):
 /// `Σ weights_i x_i`.
@@ -104,56 +101,81 @@ fn frame([a, b, c]: [DVec3; 3]) -> DMat3 {
 pub(crate) fn curvatures(topology: &Topology) -> Vec<Curvature> {
     let neighbours = neighbours(topology);
     let fits = fits(topology, &neighbours);
-    (0..topology.triangles.len()).map(|triangle| curvature(topology, &neighbours, &fits, triangle)).collect()
+    let mut parts: Vec<Curvatures> = vec![Vec::with_capacity(12); topology.triangles.len()];
+    for triangle in 0..topology.triangles.len() {
+        for side in 0..3 {
+            let here = Side::new(topology, triangle, side);
+            let [i, j] = here.ends;
+            add(&mut parts[triangle], i, here.lengthwise.map(|part| -part));
+            add(&mut parts[triangle], j, here.lengthwise);
+            let other = neighbours[triangle][side];
+            if other == NONE {
+                slope(topology, triangle, side, &fits[triangle], |slot, slope| {
+                    add(&mut parts[triangle], slot, here.across.map(|part| part * slope));
+                });
+            } else if other > triangle as u32 {
+                // For both of them; outward here is inward there.
+                let other = other as usize;
+                let [a, b] = here.ends.map(|slot| corner(topology.triangles[other], slot));
+                let there = Side::new(topology, other, 3 - a - b);
+                for (of, side, half) in [(triangle, side, 0.5), (other, 3 - a - b, -0.5)] {
+                    slope(topology, of, side, &fits[of], |slot, slope| {
+                        add(&mut parts[triangle], slot, here.across.map(|part| part * slope * half));
+                        add(&mut parts[other], slot, there.across.map(|part| -part * slope * half));
+                    });
+                }
+            }
+        }
+    }
+    let made = |(triangle, parts)| {
+        let flat = laid_flat(topology, triangle);
+        let area = 0.5 * (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
+        let mut made = Curvature { corners: topology.triangles[triangle], parts, area, rest: [DVec3::ZERO; 3] };
+        let folded = made.at(|slot| topology.rest[slot as usize].as_dvec3());
+        if folded.iter().any(|bend| bend.length() * area.sqrt() > FLAT) {
+            made.rest = folded;
+        }
+        made
+    };
+    parts.into_iter().enumerate().map(made).collect()
 }
 
-fn curvature(topology: &Topology, neighbours: &[[u32; 3]], fits: &[Curvatures], triangle: usize) -> Curvature {
-    let corners = topology.triangles[triangle];
-    let flat = laid_flat(topology, triangle);
-    let area = 0.5 * (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
-    let mut parts = Curvatures::new();
-    for side in 0..3 {
+/// Adds weights to those of a particle.
+fn add(parts: &mut Curvatures, slot: u32, weights: [f64; 3]) {
+    match parts.iter_mut().find(|(known, _)| *known == slot) {
+        Some((_, sum)) => sum.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight),
+        None => parts.push((slot, weights)),
+    }
+}
+
+/// A side of a triangle, opposite to one of its corners.
+struct Side {
+    ends: [u32; 2],
+    /// What a slope of 1 across it, outward, adds to the triangle's curvatures.
+    across: [f64; 3],
+    /// What a difference of 1 between its ends adds.
+    lengthwise: [f64; 3],
+}
+
+impl Side {
+    fn new(topology: &Topology, triangle: usize, side: usize) -> Self {
         let [i, j] = [(side + 1) % 3, (side + 2) % 3];
-        let along = flat[j] - flat[i];
-        let (length, tangent) = (along.length(), along.normalize_or_zero());
+        let (corners, flat) = (topology.triangles[triangle], laid_flat(topology, triangle));
+        let area = 0.5 * (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]);
+        let (length, tangent) = ((flat[j] - flat[i]).length(), (flat[j] - flat[i]).normalize_or_zero());
         let normal = -tangent.perp();
-        // What a slope of 1 across the side and along it adds.
-        let share = length / area;
-        let across = [normal.x * normal.x, normal.y * normal.y, normal.x * normal.y].map(|part| part * share);
         let sheared = 0.5 * (normal.x * tangent.y + normal.y * tangent.x);
-        let lengthwise = [normal.x * tangent.x, normal.y * tangent.y, sheared].map(|part| part * share);
-        let mut add = |slot: u32, slope: f64, of: [f64; 3]| {
-            let weights = of.map(|part| part * slope);
-            match parts.iter_mut().find(|(known, _)| *known == slot) {
-                Some((_, sum)) => sum.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight),
-                None => parts.push((slot, weights)),
-            }
-        };
-        add(corners[i], -1.0 / length, lengthwise);
-        add(corners[j], 1.0 / length, lengthwise);
-        let other = neighbours[triangle][side];
-        let own = if other == NONE { 1.0 } else { 0.5 };
-        for (slot, [slope]) in slope(topology, triangle, side, &fits[triangle]) {
-            add(slot, own * slope, across);
-        }
-        if other != NONE {
-            let [a, b] = [i, j].map(|i| corner(topology.triangles[other as usize], corners[i]));
-            // Outward there is inward here.
-            for (slot, [slope]) in slope(topology, other as usize, 3 - a - b, &fits[other as usize]) {
-                add(slot, -0.5 * slope, across);
-            }
+        Self {
+            ends: [corners[i], corners[j]],
+            across: [normal.x * normal.x, normal.y * normal.y, normal.x * normal.y].map(|part| part * length / area),
+            lengthwise: [normal.x * tangent.x, normal.y * tangent.y, sheared].map(|part| part / area),
         }
     }
-    let mut made = Curvature { corners, parts, area, rest: [DVec3::ZERO; 3] };
-    let folded = made.at(|slot| topology.rest[slot as usize].as_dvec3());
-    if folded.iter().any(|bend| bend.length() * area.sqrt() > FLAT) {
-        made.rest = folded;
-    }
-    made
 }
 
-/// The slope outward over the middle of a side of a triangle of the paraboloid with the curvatures `fit`.
-fn slope(topology: &Topology, triangle: usize, side: usize, fit: &Curvatures) -> Weights<1> {
+/// The slope outward over the middle of a side of a triangle of the paraboloid with the curvatures `fit`, particle by
+/// particle.
+fn slope(topology: &Topology, triangle: usize, side: usize, fit: &Curvatures, mut each: impl FnMut(u32, f64)) {
     let flat = laid_flat(topology, triangle);
     let [i, j] = [(side + 1) % 3, (side + 2) % 3];
     let outward = -(flat[j] - flat[i]).normalize_or_zero().perp();
@@ -161,14 +183,12 @@ fn slope(topology: &Topology, triangle: usize, side: usize, fit: &Curvatures) ->
     // Of the plane through the corners: each has the slope of its own hat.
     let hat = |k: usize| (flat[(k + 2) % 3] - flat[(k + 1) % 3]).perp() / area;
     let mut bend = slope_of_monomials(flat[i].midpoint(flat[j]), outward);
-    let mut slopes = Weights::with_capacity(6);
     for (k, slot) in topology.triangles[triangle].into_iter().enumerate() {
         let slope = hat(k).dot(outward);
         bend -= monomials(flat[k]) * slope;
-        slopes.push((slot, [slope]));
+        each(slot, slope);
     }
-    slopes.extend(fit.iter().map(|(slot, weights)| (*slot, [bend.dot(DVec3::from_array(*weights))])));
-    slopes
+    fit.iter().for_each(|(slot, weights)| each(*slot, bend.dot(DVec3::from_array(*weights))));
 }
 
 /// ½ u², ½ v², u v.

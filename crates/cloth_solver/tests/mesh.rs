@@ -4,8 +4,9 @@ mod common;
 
 use std::sync::Arc;
 
+use cloth_solver::constraint::Wear;
 use cloth_solver::topology::{MeshSource, Resolution};
-use cloth_solver::{Cloth, Fabric, Tick, Topology, measure};
+use cloth_solver::{Cloth, Fabric, Method, Tick, Topology, measure};
 use common::*;
 use glam::{UVec2, Vec2, Vec3};
 
@@ -115,4 +116,60 @@ fn a_mesh_hangs_where_the_rectangle_does() {
     run(&mut grid, 5.0);
     run(&mut mesh, 5.0);
     assert!((positions_low(&grid) - positions_low(&mesh)).abs() < 0.01 * size.y);
+}
+
+#[test]
+fn what_wore_a_mesh_still_does_after_another_method_was_tried() {
+    let low = |tried: bool| {
+        let (positions, triangles) = irregular(Vec2::new(0.3, 0.6), [6, 12]);
+        let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+        let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_JERSEY };
+        let mut cloth = Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), &fabric).unwrap();
+        pin_top_edge(&mut cloth);
+        let slots = cloth.topology.slots();
+        cloth.constraints.wear(Some(Wear { stiffness: &vec![0.2; slots], rest: &vec![1.0; slots] }));
+        if tried {
+            cloth.set_method(Method::XpbdSweeps);
+            cloth.set_method(Method::XpbdLines);
+        }
+        run(&mut cloth, 3.0);
+        positions_low(&cloth)
+    };
+    let (kept, tried) = (low(false), low(true));
+    assert!(kept < -0.31 && (kept - tried).abs() < 1e-4, "{kept} m and {tried} m");
+}
+
+#[test]
+fn a_mesh_of_steel_hung_by_its_corners_stays_finite() {
+    let fabric = Fabric { stretch_warp: 1e7, stretch_weft: 1e7, ..Fabric::PAPER };
+    let mut cloth = mesh(Vec2::splat(0.1), UVec2::splat(20), false, &fabric);
+    let rest = |p: &u32| cloth.topology.rest[*p as usize];
+    let corner = |p: &u32| rest(p).y > 0.0499 && rest(p).x.abs() > 0.0499;
+    let corners: Vec<u32> = cloth.topology.particles().filter(corner).collect();
+    assert_eq!(corners.len(), 2);
+    pin_top(&mut cloth, corners);
+    run(&mut cloth, 1.0);
+    assert!(cloth.particles.is_finite());
+    assert!(positions_low(&cloth) > -0.2, "it fell to {} m", positions_low(&cloth));
+}
+
+#[test]
+fn free_stiff_cloth_does_not_move_of_itself() {
+    let (positions, triangles) = irregular(Vec2::splat(0.3), [12, 12]);
+    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+    let fabric = Fabric { bend_warp: 0.1, bend_weft: 0.1, damping: 0.0, ..Fabric::COTTON_POPLIN };
+    let mut cloth = Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), &fabric).unwrap();
+    for i in 0..cloth.particles.slots() {
+        let x = cloth.topology.rest[i];
+        cloth.particles.velocity.set(i, Vec3::Z * (0.2 * (20.0 * x.x).sin()));
+    }
+    let before = measure::linear_momentum(&cloth.particles);
+    let energy = measure::kinetic_energy(&cloth.particles);
+    let mass: f64 = cloth.particles.mass.iter().map(|m| f64::from(*m)).sum();
+    for _ in 0..300 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let drift = (measure::linear_momentum(&cloth.particles) - before).length() / mass;
+    assert!(drift < 1e-4, "{drift} m/s");
+    assert!(measure::kinetic_energy(&cloth.particles) < energy);
 }

@@ -131,7 +131,7 @@ impl Bending {
         self.count
     }
 
-    /// `Q x − t` of slot `i` at `x`, N: what bending pulls with, the other way round.
+    /// `Q x` of slot `i` at `x`, N: what bending pulls with, the other way round, were the cloth flat at rest.
     fn bent(&self, i: usize, x: impl Fn(usize) -> Vec3) -> Vec3 {
         let [first, end] = self.rows[i].map(|at| at as usize);
         let here = x(i);
@@ -162,7 +162,7 @@ impl Bending {
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
         let mut work = std::mem::take(&mut self.work);
-        let Particles { position, moved, inverse_mass, .. } = particles;
+        let Particles { position, moved, inverse_mass, mass, .. } = particles;
         for (i, w) in inverse_mass.iter().enumerate() {
             let inertia = if *w > 0.0 { 1.0 / (w * h * h) } else { 0.0 };
             work.inertia[i] = inertia;
@@ -176,11 +176,23 @@ impl Bending {
             }
         }
         let gain = self.start(simd, position, moved, &mut work);
-        if gain <= 0.0 {
+        if gain.is_nan() || gain <= 0.0 {
             work.found.fill([0.0; 4]);
             self.start(simd, position, moved, &mut work);
         }
         self.iterate(simd, &mut work);
+        // What is not found yet must not push cloth that hangs on nothing.
+        if mass.iter().zip(&work.inertia).all(|(mass, inertia)| *mass <= 0.0 || *inertia > 0.0) {
+            let (mut push, mut all) = (DVec3::ZERO, 0.0);
+            for (found, inertia) in work.found.iter().zip(&work.inertia) {
+                push += Vec3::from_slice(found).as_dvec3() * f64::from(*inertia);
+                all += f64::from(*inertia);
+            }
+            let push = (push / all.max(f64::MIN_POSITIVE)).as_vec3();
+            for (found, _) in work.found.iter_mut().zip(&work.inertia).filter(|(_, inertia)| **inertia > 0.0) {
+                *found = (Vec3::from_slice(found) - push).extend(0.0).to_array();
+            }
+        }
         for i in 0..self.rows.len() {
             moved.set(i, moved.get(i) + Vec3::from_slice(&work.found[i]));
         }
@@ -251,6 +263,9 @@ impl Bending {
                 let image = self.times(simd, i, &work.direction) + here * f32x4::splat(simd, work.inertia[i]);
                 image.store_slice(&mut work.image[i]);
                 curvature += dot(here, image);
+            }
+            if curvature.is_nan() || curvature <= 0.0 {
+                break;
             }
             let along = f32x4::splat(simd, (sum / curvature) as f32);
             let (mut next, mut left, mut force) = (0.0, 0.0, 0.0);

@@ -84,9 +84,9 @@ impl MeshConstraints {
     }
 
     /// Adds the tensions in the last solve of a substep of length `h`.
-    pub fn add_tensions(&mut self, topology: &Topology, h: f32, to: &mut Tensions) {
+    pub fn add_tensions(&mut self, h: f32, to: &mut Tensions) {
         match &self.strips {
-            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(topology, h, to)),
+            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(h, to)),
             None => self.triangles.add_tensions(h, to),
         }
     }

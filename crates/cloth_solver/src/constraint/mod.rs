@@ -85,7 +85,10 @@ impl Constraints {
         self.method = method;
         match &mut self.surface {
             Surface::Grid(grid) => grid.prepare_forces(topology, method.steps_forces()),
-            Surface::Mesh(mesh) => mesh.prepare(topology, method),
+            Surface::Mesh(mesh) => {
+                mesh.prepare(topology, method);
+                mesh.wear(self.worn.as_ref().map(wear::Kept::wear));
+            }
             Surface::Empty => {}
         }
     }
@@ -194,8 +197,8 @@ impl Constraints {
     }
 
     /// How far the last substep, of length `h` (s), is from having solved the stretch constraints: the root mean square of
-    /// `C + α̃ λ` over all links along warp and weft, in rest lengths. `None` for a mesh that is no grid, whose multipliers
-    /// are not kept.
+    /// `C + α̃ λ` over all links along warp and weft, in rest lengths. `None` for a mesh that is no
+    /// grid.
     pub fn residual(&self, particles: &Particles, h: f32) -> Option<f32> {
         match &self.surface {
             Surface::Grid(grid) => Some(grid.residual(particles, h)),

@@ -26,6 +26,10 @@ const STATIC_LOAD: f32 = 0.25;
 /// A link with less than this T h²/(m l) asks for no inertia, even where a dozen meet.
 const NO_LOAD: f32 = 0.02;
 
+/// Least part of a pivot that elimination may leave: what is less is rounding. Between pinned particles the constraints of very
+/// stiff fabric depend on one another.
+const SINGULAR: f32 = 1e-6;
+
 /// The band of most strips: in a mesh of evenly cut quads no wider one is needed.
 const NARROW: usize = 3;
 
@@ -82,6 +86,8 @@ impl Work {
 #[derive(Clone, Debug)]
 pub(super) struct Strips {
     along: Along,
+    /// Y, N/m.
+    stiffness: f32,
     eights: Vec<Eight>,
     work: Work,
 }
@@ -107,7 +113,7 @@ impl Strips {
         });
         let eights: Vec<Eight> = eights.collect();
         let longest = eights.iter().map(|eight| eight.links.len()).max().unwrap_or_default();
-        Self { along, eights, work: Work::new(longest) }
+        Self { along, stiffness, eights, work: Work::new(longest) }
     }
 
     /// Takes over what became of the particles; `None` makes all as good as new.
@@ -129,11 +135,12 @@ impl Strips {
     /// Adds the tensions in the last solve of a substep of length `h`, weighed by area and by how much of it a particle feels:
     /// of strips beside one another the one solved first carries more than its share, and only what both carry is the tension
     /// of the thread between them.
-    pub fn add_tensions(&self, topology: &Topology, h: f32, to: &mut Tensions) {
+    pub fn add_tensions(&self, h: f32, to: &mut Tensions) {
         for eight in &self.eights {
             for (k, link) in eight.links.iter().enumerate() {
                 for lane in (0..LANES).filter(|lane| link.triangle[*lane] != NONE) {
-                    let area = 0.5 * topology.triangle_rest[link.triangle[lane] as usize].determinant();
+                    // The part of the triangle's area that is this strip's: tension times that is −λ/h².
+                    let area = 1.0 / (link.compliance[lane] * self.stiffness);
                     let lambda = eight.lambda[k * LANES + lane];
                     for (corner, coefficient) in link.corners.iter().zip(&link.coefficient) {
                         let felt = coefficient[lane].abs();
@@ -249,6 +256,7 @@ impl Eight {
             // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
             let compliance = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
             let mut pivot = (own[0] + own[1] + own[2]) * pull.dot(pull) + compliance;
+            let least = pivot * splat(simd, SINGULAR);
             let mut right = rest - length;
             let mut u = [zero; REACH];
             for j in (1..=BAND).rev() {
@@ -269,7 +277,7 @@ impl Eight {
                 store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
             }
             pull.store(&mut work.pull, at * LANES);
-            store(one / pivot.max(tiny), &mut work.inverse, at * LANES);
+            store(one / pivot.max(least).max(tiny), &mut work.inverse, at * LANES);
             store(right, &mut work.right, at * LANES);
         }
         // Nor does anything follow on the last link.
@@ -325,7 +333,7 @@ pub(super) struct Packs {
 impl Packs {
     /// For that many slots.
     pub fn new(slots: usize) -> Self {
-        let [position, moved] = [(); 2].map(|()| Vec::with_capacity(slots));
+        let [position, moved] = [(); 2].map(|()| vec![[0.0; 4]; slots]);
         Self { position, moved, load: Vec::new() }
     }
 

@@ -69,7 +69,7 @@ impl Constraints {
                 }
             }
             (Surface::Mesh(mesh), method) if !method.steps_forces() && method != Method::Pbd => {
-                mesh.add_tensions(topology, h, to);
+                mesh.add_tensions(h, to);
             }
             (Surface::Grid(_) | Surface::Mesh(_), _) => self.strains(topology, particles, to),
             (Surface::Empty, _) => {}
@@ -88,5 +88,44 @@ impl Constraints {
                 to.add(along, slot, stiffness[along as usize] * strain, 1.0);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::constraint::{Pin, Pins};
+    use crate::topology::curvature::tests::irregular;
+    use crate::{Cloth, Fabric, Motion, Tick};
+
+    #[test]
+    fn the_mean_tension_of_an_irregular_mesh_is_what_it_is_pulled_with() {
+        let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+        let mut cloth = Cloth::new(irregular(12).into(), &fabric).expect("a cloth");
+        let topology = cloth.topology.clone();
+        let rest = |slot: u32| topology.rest[slot as usize];
+        let row = |y: f32| topology.particles().filter(move |slot| (rest(*slot).y - y).abs() < 1e-4);
+        let pin = |particle: u32| Pin { particle, frame: 0, local: rest(particle) };
+        let pins = Pins { frames: vec![Motion::default()], pins: row(1.0).map(pin).collect() };
+        cloth.constraints.set_pins(&mut cloth.particles, pins).expect("particles");
+        let tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+        for _ in 0..240 {
+            cloth.particles.force = None;
+            for slot in row(0.0) {
+                let width = if (0.01..0.99).contains(&rest(slot).x) { 1.0 } else { 0.5 } / 12.0;
+                cloth.particles.add_force(slot as usize, Vec3::NEG_Y * (200.0 * width));
+            }
+            cloth.step(tick, Vec3::ZERO);
+        }
+        let mut found = Tensions::default();
+        cloth.constraints.tensions(&topology, &cloth.particles, tick.dt / 10.0, &mut found);
+        let warp = found.along()[1];
+        let inner = topology.particles().filter(|slot| rest(*slot).cmpgt(Vec3::splat(0.2)).bitmask() & 3 == 3);
+        let inner: Vec<u32> = inner.filter(|slot| rest(*slot).truncate().max_element() < 0.8).collect();
+        let mean = inner.iter().map(|slot| warp.tension[*slot as usize] / warp.weight[*slot as usize]).sum::<f32>()
+            / inner.len() as f32;
+        assert!((mean / 200.0 - 1.0).abs() < 0.03, "{mean} N/m");
     }
 }

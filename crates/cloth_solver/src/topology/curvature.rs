@@ -24,6 +24,9 @@ use crate::Fabric;
 /// a ripple, for a thousandth of the curvature.
 const SINGULAR: f64 = 1e-4;
 
+/// How far a paraboloid is lent on at the border, in triangles: to the corners, not down a ribbon.
+const LENDINGS: usize = 2;
+
 /// A mesh is flat where its curvature at rest times the size of a triangle is below this.
 const FLAT: f64 = 1e-3;
 
@@ -35,7 +38,7 @@ type Curvatures = Vec<(u32, [f64; 3])>;
 #[derive(Clone, Debug)]
 pub(crate) struct Curvature {
     corners: [u32; 3],
-    /// Up to twelve particles with their weights, which add up to 0: along weft, along warp, twist, 1/m².
+    /// Some twelve particles with their weights, which add up to 0: along weft, along warp, twist, 1/m².
     pub parts: Curvatures,
     /// The triangle's area, m².
     area: f64,
@@ -213,7 +216,7 @@ fn fits(topology: &Topology, neighbours: &[[u32; 3]]) -> Vec<Curvatures> {
     let count = topology.triangles.len();
     let mut fits: Vec<Curvatures> = (0..count).map(|triangle| fit(topology, triangle, neighbours[triangle])).collect();
     let mut known: Vec<bool> = neighbours.iter().map(|all| all.iter().all(|other| *other != NONE)).collect();
-    loop {
+    for _ in 0..LENDINGS {
         let mut lent: Vec<(usize, Curvatures)> = Vec::new();
         for triangle in (0..count).filter(|triangle| !known[*triangle]) {
             let others = neighbours[triangle].into_iter().enumerate();
@@ -229,14 +232,12 @@ fn fits(topology: &Topology, neighbours: &[[u32; 3]]) -> Vec<Curvatures> {
                 lent.push((triangle, lenders.into_iter().flat_map(of).collect()));
             }
         }
-        if lent.is_empty() {
-            return fits;
-        }
         for (triangle, fit) in lent {
             fits[triangle] = fit;
             known[triangle] = true;
         }
     }
+    fits
 }
 
 /// What turns the plane of the triangle over a side into that of `triangle`.
@@ -287,6 +288,12 @@ fn fit(topology: &Topology, triangle: usize, neighbours: [u32; 3]) -> Curvatures
             off[side][corner] -= by;
             told[side] -= monomials(flat[corner]) * by;
         }
+    }
+    // All of one size, or a large neighbour would drown the others.
+    for (off, told) in off.iter_mut().zip(&mut told).filter(|(_, told)| told.length_squared() > 0.0) {
+        let norm = (*told * DVec3::new(1.0, 1.0, core::f64::consts::FRAC_1_SQRT_2)).length().max(f64::MIN_POSITIVE);
+        *told /= norm;
+        off.iter_mut().for_each(|part| *part /= norm);
     }
     let inverse = pseudo_inverse(told);
     let weights = |k: usize| (0..3).map(|side| inverse.col(side) * off[side][k]).sum::<DVec3>().to_array();
@@ -351,6 +358,30 @@ pub(crate) mod tests {
             );
         }
         assert!(all.iter().all(Curvature::is_flat));
+    }
+
+    #[test]
+    fn columns_of_very_different_width_do_not_drown_one_another() {
+        let columns: Vec<f32> = (0..=8)
+            .scan(0.0, |at, i| Some(core::mem::replace(at, *at + if i % 2 == 0 { 1.0 } else { 0.03 })))
+            .collect();
+        let positions: Vec<Vec3> =
+            (0..=4).flat_map(|j| columns.iter().map(move |x| Vec3::new(*x, 0.3 * j as f32, 0.0))).collect();
+        let at = |i: u32, j: u32| j * 9 + i;
+        let triangles: Vec<[u32; 3]> = (0..4)
+            .flat_map(|j| (0..8).map(move |i| (i, j)))
+            .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+            .collect();
+        let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+        let topology = Topology::from_mesh(source).expect("a mesh");
+        let bend = |slot: u32| {
+            let p = topology.rest[slot as usize].as_dvec3();
+            DVec3::new(p.x, p.y, 0.5 * p.x * p.x)
+        };
+        for curvature in curvatures(&topology) {
+            let [weft, warp, twist] = curvature.at(bend).map(|bend| bend.z);
+            assert!((weft - 1.0).abs() < 0.02 && warp.abs() < 0.02 && twist.abs() < 0.02, "{weft} {warp} {twist}");
+        }
     }
 
     #[test]

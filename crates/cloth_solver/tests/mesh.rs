@@ -173,3 +173,24 @@ fn free_stiff_cloth_does_not_move_of_itself() {
     assert!(drift < 1e-4, "{drift} m/s");
     assert!(measure::kinetic_energy(&cloth.particles) < energy);
 }
+
+#[test]
+fn a_free_mesh_keeps_its_momentum() {
+    let (positions, triangles) = irregular(Vec2::ONE, [16, 16]);
+    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+    let mut cloth = Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), &UNDAMPED).unwrap();
+    for i in 0..cloth.particles.slots() {
+        let x = cloth.topology.rest[i];
+        let spin = Vec3::new(0.4, 1.0, 2.0).cross(x);
+        cloth.particles.velocity.set(i, Vec3::new(0.05, 0.0, 0.02) + spin + Vec3::Z * (3.0 * x.x * x.y));
+    }
+    let about = |cloth: &Cloth| measure::angular_momentum(&cloth.particles, measure::centre_of_mass(&cloth.particles));
+    let (linear, angular) = (measure::linear_momentum(&cloth.particles), about(&cloth));
+    for _ in 0..300 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let drift = (measure::linear_momentum(&cloth.particles) - linear).length() / linear.length();
+    assert!(drift < 3e-5, "{drift}");
+    let turn = (about(&cloth) - angular).length() / angular.length();
+    assert!(turn < 2e-3, "{turn}");
+}

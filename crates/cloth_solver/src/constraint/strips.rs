@@ -277,7 +277,7 @@ impl Eight {
                 store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
             }
             pull.store(&mut work.pull, at * LANES);
-            store(one / pivot.max(least).max(tiny), &mut work.inverse, at * LANES);
+            store(one / pivot.max(least), &mut work.inverse, at * LANES);
             store(right, &mut work.right, at * LANES);
         }
         // Nor does anything follow on the last link.

@@ -131,7 +131,10 @@ impl Triangles {
             // Relative to the first corner, so that nothing is lost in large coordinates.
             let origin = gather3(simd, position, a);
             let (to_b, to_c) = (gather3(simd, position, b) - origin, gather3(simd, position, c) - origin);
-            let mut x = [gather3(simd, moved, a), to_b + gather3(simd, moved, b), to_c + gather3(simd, moved, c)];
+            let moves = [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c)];
+            let mut x = [moves[0], to_b + moves[1], to_c + moves[2]];
+            // Pushes are summed up apart: taken from the places, they would be rounded as these are, and momentum with them.
+            let mut pushed = [moves[0] - moves[0]; 3];
             let [m0, m1, m2, m3] = self.inverse_rest[g];
             let m = [
                 f32x8::simd_from(simd, m0),
@@ -146,18 +149,18 @@ impl Triangles {
                 rest = f32x8::simd_from(simd, rest_factor[g]);
             }
             if of == Of::All {
-                let pull_weft = length(simd, &mut x, &w, [m[0], m[1]], weft * inverse_area, rest);
-                let pull_warp = length(simd, &mut x, &w, [m[2], m[3]], warp * inverse_area, rest);
+                let pull_weft = length(simd, &mut x, &mut pushed, &w, [m[0], m[1]], weft * inverse_area, rest);
+                let pull_warp = length(simd, &mut x, &mut pushed, &w, [m[2], m[3]], warp * inverse_area, rest);
                 if let Some(lambda) = &mut self.lambda {
                     lambda[g] = [pull_weft.into(), pull_warp.into()];
                 }
             }
             if self.shear > 0.0 {
-                angle(simd, &mut x, &w, m, shear * inverse_area);
+                angle(simd, &x, &mut pushed, &w, m, shear * inverse_area);
             }
-            scatter3(x[0], moved, a);
-            scatter3(x[1] - to_b, moved, b);
-            scatter3(x[2] - to_c, moved, c);
+            scatter3(moves[0] + pushed[0], moved, a);
+            scatter3(moves[1] + pushed[1], moved, b);
+            scatter3(moves[2] + pushed[2], moved, c);
         }
     }
 }
@@ -167,6 +170,7 @@ impl Triangles {
 fn length<S: Simd>(
     simd: S,
     x: &mut [Vec3x8<S>; 3],
+    pushed: &mut [Vec3x8<S>; 3],
     w: &[f32x8<S>; 3],
     m: [f32x8<S>; 2],
     compliance: f32x8<S>,
@@ -180,20 +184,29 @@ fn length<S: Simd>(
     let weight = w[0] * m_0 * m_0 + w[1] * m[0] * m[0] + w[2] * m[1] * m[1] + compliance;
     let lambda = (rest - size) / weight.max(tiny);
     let push = direction * lambda;
-    x[0] = x[0] + push * (w[0] * m_0);
-    x[1] = x[1] + push * (w[1] * m[0]);
-    x[2] = x[2] + push * (w[2] * m[1]);
+    let weights = [w[0] * m_0, w[1] * m[0], w[2] * m[1]];
+    for i in 0..3 {
+        x[i] = x[i] + push * weights[i];
+        pushed[i] = pushed[i] + push * weights[i];
+    }
     lambda
 }
 
 /// `(e1·m0 + e2·m1) · (e1·m2 + e2·m3) = 0`.
 #[inline(always)]
-fn angle<S: Simd>(simd: S, x: &mut [Vec3x8<S>; 3], w: &[f32x8<S>; 3], m: [f32x8<S>; 4], compliance: f32x8<S>) {
+fn angle<S: Simd>(
+    simd: S,
+    x: &[Vec3x8<S>; 3],
+    pushed: &mut [Vec3x8<S>; 3],
+    w: &[f32x8<S>; 3],
+    m: [f32x8<S>; 4],
+    compliance: f32x8<S>,
+) {
     let (value, gradient) = shear_gradient(*x, m);
     // Without compliance a lane that is left over has no weight at all.
     let lambda = -value / (weight(w, &gradient) + compliance).max(splat(simd, f32::MIN_POSITIVE));
     for i in 0..3 {
-        x[i] = x[i] + gradient[i] * (lambda * w[i]);
+        pushed[i] = pushed[i] + gradient[i] * (lambda * w[i]);
     }
 }
 

@@ -134,7 +134,7 @@ impl Triangles {
             let moves = [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c)];
             let mut x = [moves[0], to_b + moves[1], to_c + moves[2]];
             // Pushes are summed up apart: taken from the places, they would be rounded as these are, and momentum with them.
-            let mut pushed = [moves[0] - moves[0]; 3];
+            let mut pushed = [Vec3x8::splat(simd, glam::Vec3::ZERO); 3];
             let [m0, m1, m2, m3] = self.inverse_rest[g];
             let m = [
                 f32x8::simd_from(simd, m0),

@@ -103,9 +103,9 @@ pub(crate) fn sample(
 }
 
 /// Lets the air act on every cloth that has [`Air`].
-pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan)>, tick: Res<ClothTick>) {
+pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan)>) {
     for (mut particles, topology, air, plan) in &mut cloths {
-        if let Some(sub) = plan.substep(&tick) {
+        if let Some(sub) = plan.substep {
             air.blow(topology, &mut particles, &sub);
         }
     }

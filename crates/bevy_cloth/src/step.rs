@@ -22,8 +22,6 @@ pub(crate) struct ClothTick {
     /// Time stands and only what is held by a hand moves: no force acts, no speed is kept, the clock does not
     /// advance.
     pub still: bool,
-    /// The substep at hand.
-    pub substep: u32,
 }
 
 /// Advances the clock and runs [`ClothSchedule`] once for each tick that is due.
@@ -47,7 +45,7 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
                 clock.as_generic()
             });
             set_time(world, clock);
-            *world.resource_mut::<ClothTick>() = ClothTick { dt: timestep.as_secs_f32(), still, substep: 0 };
+            *world.resource_mut::<ClothTick>() = ClothTick { dt: timestep.as_secs_f32(), still };
             schedule.run(world);
         }
     });
@@ -78,39 +76,53 @@ pub(crate) fn clear_forces(particles: &mut Particles) {
     }
 }
 
-/// Runs [`ClothSubstepSchedule`] as often as the cloth with most substeps needs.
-pub(crate) fn run_substeps(world: &mut World, plans: &mut QueryState<&StepPlan>) {
-    let most = plans.iter(world).map(|plan| plan.substeps).max().unwrap_or(0);
-    if most == 0 {
-        return;
+/// Runs [`ClothSubstepSchedule`] until every cloth has come to the end of the tick.
+pub(crate) fn run_substeps(
+    world: &mut World,
+    plans: &mut QueryState<&mut StepPlan>,
+    cloths: &mut QueryState<(&mut StepPlan, &Particles, &Constraints, &Contacts)>,
+) {
+    let dt = world.resource::<ClothTick>().dt;
+    for (mut plan, particles, constraints, contacts) in cloths.iter_mut(world) {
+        plan.begin(dt, particles, constraints, contacts);
     }
     let _ = world.try_schedule_scope(ClothSubstepSchedule, |world, schedule| {
-        for substep in 0..most {
-            world.resource_mut::<ClothTick>().substep = substep;
+        loop {
+            let mut some_left = false;
+            for mut plan in plans.iter_mut(world) {
+                some_left |= plan.next();
+            }
+            if !some_left {
+                break;
+            }
             schedule.run(world);
         }
     });
 }
 
-pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan)>, tick: Res<ClothTick>) {
+pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan)>) {
     for (mut particles, constraints, plan) in &mut cloths {
-        if let Some(sub) = plan.substep(&tick) {
+        if let Some(sub) = plan.substep {
             method::integrate(&mut particles, constraints, &sub);
         }
     }
 }
 
-pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &StepPlan)>, tick: Res<ClothTick>) {
-    for (mut particles, mut constraints, plan) in &mut cloths {
-        if let Some(sub) = plan.substep(&tick) {
-            method::solve(&mut particles, &mut constraints, &sub);
+/// Solves, and takes the substep unless it was too long.
+pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut StepPlan)>) {
+    for (mut particles, mut constraints, mut plan) in &mut cloths {
+        if let Some(sub) = plan.substep {
+            let effort = method::solve(&mut particles, &mut constraints, &sub);
+            if plan.accepts(&effort) {
+                method::accept(&mut particles, &mut constraints, &sub);
+            }
         }
     }
 }
 
-pub(crate) fn collide(mut cloths: Query<(&mut Particles, &mut Contacts, &StepPlan)>, tick: Res<ClothTick>) {
+pub(crate) fn collide(mut cloths: Query<(&mut Particles, &mut Contacts, &StepPlan)>) {
     for (mut particles, mut contacts, plan) in &mut cloths {
-        if let Some(sub) = plan.substep(&tick).filter(|_| !contacts.colliders.is_empty()) {
+        if let Some(sub) = plan.substep.filter(|_| !contacts.colliders.is_empty()) {
             contact::collide(&mut particles, &mut contacts, &sub);
         }
     }

@@ -29,7 +29,7 @@ fn hung() -> Cloth {
 }
 
 fn tick() -> Tick {
-    Tick { dt: Time::<Fixed>::default().timestep().as_secs_f32(), substeps: 10, iterations: 1 }
+    Tick::new(Time::<Fixed>::default().timestep().as_secs_f32())
 }
 
 fn app(prepare: impl FnOnce(&mut App)) -> App {

@@ -50,7 +50,7 @@ impl World {
     /// Advances by one tick of `1/rate` seconds.
     pub fn tick(&mut self) {
         let scene = &self.scene;
-        let tick = Tick { dt: 1.0 / scene.rate, substeps: scene.substeps, iterations: scene.iterations };
+        let tick = Tick { iterations: scene.iterations, ..Tick::at_least(1.0 / scene.rate, scene.substeps) };
         self.elapsed += f64::from(tick.dt);
         self.wind.advance(scene.wind, &scene.gusts, tick.dt);
         for ((cloth, fire), frame) in self.cloths.iter_mut().zip(&mut self.fires).zip(&self.frames) {

@@ -16,7 +16,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2, Vec3};
 
 const SIDE: u32 = 64;
-const TICK: Tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+const TICK: Tick = Tick::new(1.0 / 60.0);
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 fn hung() -> Cloth {
@@ -47,7 +47,7 @@ fn damage(criterion: &mut Criterion) {
     group.bench_function("watched", |bencher| {
         bencher.iter(|| {
             cloth.step(black_box(TICK), GRAVITY);
-            tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+            tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
             cloth.tear(&mut tear, &tearing)
         });
     });

@@ -15,7 +15,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2, Vec3};
 
 const SIDE: u32 = 64;
-const TICK: Tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+const TICK: Tick = Tick::new(1.0 / 60.0);
 
 fn hung() -> Cloth {
     let cells = Resolution::Cells(UVec2::splat(SIDE - 1));

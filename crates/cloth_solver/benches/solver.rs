@@ -14,7 +14,7 @@ use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Quat, UVec2, Vec2, Vec3};
 
-const TICK: Tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+const TICK: Tick = Tick::new(1.0 / 60.0);
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// A square metre of cotton with `side` particles to a side, hung by its top row, or by its top corners, and swinging.

@@ -10,44 +10,8 @@ use crate::damage::{self, Blade, Cut, Direction, Stroke, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
 use crate::topology::Change;
+use crate::tick::{Pace, Tick};
 use crate::{ClothError, Fabric, Particles, Topology};
-
-/// One tick: how long, in how many substeps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick {
-    /// Length of the tick, s.
-    pub dt: f32,
-    /// Number of substeps, at least 1.
-    pub substeps: u32,
-    /// Iterations in a substep, at least 1; of no effect on methods that do not iterate.
-    pub iterations: u32,
-}
-
-impl Tick {
-    /// Substep `index` of this tick.
-    pub fn substep(&self, index: u32) -> Substep {
-        let count = self.substeps.max(1);
-        Substep {
-            h: self.dt / count as f32,
-            start: index as f32 / count as f32,
-            end: (index + 1) as f32 / count as f32,
-            iterations: self.iterations.max(1),
-        }
-    }
-}
-
-/// One substep of a tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Substep {
-    /// Length, s.
-    pub h: f32,
-    /// Where in the tick it starts, 0..1.
-    pub start: f32,
-    /// Where in the tick it ends, 0..=1.
-    pub end: f32,
-    /// Iterations, at least 1.
-    pub iterations: u32,
-}
 
 pub use crate::constraint::Constraints;
 
@@ -66,6 +30,8 @@ pub struct Cloth {
     pub air: Option<Air>,
     /// How that moves in this tick.
     pub wind: WindField,
+    /// How its ticks are divided.
+    pub pace: Pace,
 }
 
 impl Cloth {
@@ -75,9 +41,10 @@ impl Cloth {
         Ok(Self {
             particles: Particles::new(&topology, fabric.areal_density),
             constraints: Constraints::new(&topology, fabric)?,
-            contacts: Contacts { offset: Contacts::offset_for(&topology, fabric), ..Contacts::default() },
+            contacts: Contacts::new(&topology, fabric),
             air: None,
             wind: WindField::default(),
+            pace: Pace::default(),
             topology,
         })
     }
@@ -85,8 +52,6 @@ impl Cloth {
     /// Advances with `method` from now on.
     pub fn set_method(&mut self, method: Method) {
         self.constraints.set_method(&self.topology, method);
-        // What the old method left of loads is not the new one's to carry.
-        self.particles.load.fill(0.0);
     }
 
     /// Cuts it with `blade`. `None` if that crosses nothing.
@@ -165,14 +130,18 @@ impl Cloth {
             Some(_) => self.wind.sample(&self.topology, &mut self.particles),
             None => self.particles.airflow = None,
         }
-        for index in 0..tick.substeps.max(1) {
-            let sub = tick.substep(index);
+        let tick = self.constraints.adapt(&self.particles, tick);
+        self.pace.begin(&tick, self.contacts.least_substeps(&self.particles));
+        while let Some(sub) = self.pace.substep(&tick) {
             if let Some(air) = &self.air {
                 air.blow(&self.topology, &mut self.particles, &sub);
             }
             crate::method::integrate(&mut self.particles, &self.constraints, &sub);
-            crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
-            crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
+            let effort = crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
+            if self.pace.accept(&tick, &sub, &effort) {
+                crate::method::accept(&mut self.particles, &mut self.constraints, &sub);
+                crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
+            }
         }
     }
 }

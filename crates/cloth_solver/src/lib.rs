@@ -2,7 +2,7 @@
 //!
 //! The crate knows no engine, reads no clock and owns no thread. One tick of one cloth is
 //! [`Cloth::step`]; an engine that wants its own systems between the phases calls them itself:
-//! [`method::integrate`], [`method::solve`], [`contact::collide`].
+//! [`tick::Pace`], [`method::integrate`], [`method::solve`], [`method::accept`], [`contact::collide`].
 
 pub mod cloth;
 pub mod constraint;
@@ -16,15 +16,17 @@ pub mod method;
 pub mod particles;
 pub mod pick;
 pub mod pose;
+pub mod tick;
 pub mod topology;
 
 mod lanes;
 
-pub use cloth::{Cloth, Tick};
+pub use cloth::Cloth;
 pub use damage::fire::{Fire, Flammable};
 pub use error::ClothError;
 pub use fabric::Fabric;
 pub use method::Method;
 pub use particles::{Particles, Soa3};
 pub use pose::{Motion, Pose};
+pub use tick::{Substep, Tick};
 pub use topology::{Grid, Topology};

@@ -136,8 +136,8 @@ fn shared_mass(mass: &[f32], before: &Topology, now: &Topology, change: &Change)
 pub struct Particles {
     /// Where each particle is, m; within a substep where it was at its start.
     pub position: Soa3,
-    /// How far each particle moves in the substep at hand, m: predicted by the first half of the substep, corrected by the
-    /// second, which then adds it to [`Particles::position`] and takes the velocity from it. Kept apart, so that the
+    /// How far each particle moves in the substep at hand, m: predicted by its first part, corrected by the second; the third
+    /// adds it to [`Particles::position`] and takes the velocity from it. Kept apart, so that the
     /// velocity has the precision of a small number and not that of the difference of two large ones.
     pub moved: Soa3,
     /// Where each particle was at the start of the last finished substep, m.
@@ -146,13 +146,8 @@ pub struct Particles {
     pub velocity: Soa3,
     /// Mass, kg; 0 for padding.
     pub mass: Vec<f32>,
-    /// 1/inertia, 1/kg; 0 for padding and for pinned particles. Inertia is mass, or more under a load: see
-    /// [`crate::method::xpbd`].
+    /// 1/mass, 1/kg; 0 for padding and for pinned particles. What a hand holds has its inertia, too.
     pub inverse_mass: Vec<f32>,
-    /// Inertia that the loads of the last substep ask for, kg.
-    pub load: Vec<f32>,
-    /// Inertia each particle has, kg: its mass or more.
-    pub inertia: Vec<f32>,
     /// Acceleration all particles share in this tick (gravity), m/s².
     pub acceleration: Vec3,
     /// Further force on each particle in this tick, N. `None` costs nothing.
@@ -171,8 +166,6 @@ impl Particles {
             previous: Soa3::from_slice(&topology.rest),
             velocity: Soa3::zeros(topology.rest.len()),
             inverse_mass: mass.iter().map(|m| if *m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
-            load: vec![0.0; mass.len()],
-            inertia: mass.clone(),
             mass,
             acceleration: Vec3::ZERO,
             force: None,
@@ -206,7 +199,6 @@ impl Particles {
             return Err(crate::ClothError::NoSuchParticle { field: "weight", particle: slot as u32, particles });
         }
         self.mass[slot] += mass;
-        self.inertia[slot] = self.mass[slot];
         if self.inverse_mass[slot] > 0.0 {
             self.inverse_mass[slot] = 1.0 / self.mass[slot];
         }
@@ -223,24 +215,17 @@ impl Particles {
         if let Some(force) = &mut self.force {
             force.follow(change);
         }
-        for numbers in [&mut self.load, &mut self.inertia, &mut self.inverse_mass, &mut self.mass] {
+        for numbers in [&mut self.inverse_mass, &mut self.mass] {
             numbers.resize(change.slots, 0.0);
         }
         for slot in (0..change.slots).filter(|slot| change.touched[*slot]) {
             let m = mass[slot];
             self.mass[slot] = m;
-            self.inertia[slot] = m;
-            self.load[slot] = 0.0;
             self.inverse_mass[slot] = if m > 0.0 { 1.0 / m } else { 0.0 };
             if m <= 0.0 {
                 self.velocity.set(slot, Vec3::ZERO);
             }
         }
-    }
-
-    /// How many particles carry more inertia than mass now; see [`crate::method::xpbd`].
-    pub fn scaled(&self) -> usize {
-        self.load.iter().zip(&self.mass).filter(|(load, mass)| *mass > &0.0 && load > mass).count()
     }
 
     /// Whether positions and velocities are all finite.

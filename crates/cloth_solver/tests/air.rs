@@ -33,7 +33,7 @@ fn as_mesh(cloth: &Cloth, fabric: &Fabric) -> Cloth {
 fn force(cloth: &mut Cloth, wind: Vec3, moving: Vec3) -> Vec3 {
     cloth.particles.velocity.fill(moving);
     WindField::uniform(wind).sample(&cloth.topology, &mut cloth.particles);
-    Air::default().blow(&cloth.topology, &mut cloth.particles, &Tick { dt: 1e-6, ..TICK }.substep(0));
+    Air::default().blow(&cloth.topology, &mut cloth.particles, &Tick { dt: 1e-6, ..TICK }.first());
     let force = &cloth.particles.airflow.as_ref().unwrap().force;
     (0..force.len()).map(|slot| force.get(slot)).sum()
 }
@@ -123,7 +123,7 @@ fn what_the_fabric_lets_through_does_not_push() {
     let mut sheet = rectangle(1.0, 1.0, 5, 5, &Fabric::COTTON_POPLIN);
     let full = force(&mut sheet, Vec3::Z, Vec3::ZERO);
     let mut through = |porosity| {
-        Air { porosity, ..Air::default() }.blow(&sheet.topology, &mut sheet.particles, &TICK.substep(0));
+        Air { porosity, ..Air::default() }.blow(&sheet.topology, &mut sheet.particles, &TICK.first());
         let force = &sheet.particles.airflow.as_ref().unwrap().force;
         (0..force.len()).map(|slot| force.get(slot)).sum::<Vec3>()
     };

@@ -77,7 +77,7 @@ fn the_force_on_a_small_panel_falls_with_the_square_of_the_distance() {
         let mut panel = rectangle(0.04, 0.04, 2, 2, &Fabric::COTTON_POPLIN);
         place(&mut panel, Quat::IDENTITY, Vec3::NEG_Z * along);
         jet().sample(&panel.topology, &mut panel.particles);
-        Air::default().blow(&panel.topology, &mut panel.particles, &Tick { dt: 1e-6, ..TICK }.substep(0));
+        Air::default().blow(&panel.topology, &mut panel.particles, &Tick { dt: 1e-6, ..TICK }.first());
         let force = &panel.particles.airflow.as_ref().unwrap().force;
         (0..force.len()).map(|slot| force.get(slot)).sum::<Vec3>()
     };

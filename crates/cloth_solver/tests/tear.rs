@@ -36,7 +36,7 @@ fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
         }
         cloth.step(TICK, GRAVITY);
         cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
         if cloth.tear(&mut tear, &tearing).is_some() {
             assert_sound(&cloth);
             return Some(pull);
@@ -71,7 +71,7 @@ fn a_tear_runs_on_until_the_sheet_is_in_two() {
         }
         cloth.step(TICK, GRAVITY);
         cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
         cloth.tear(&mut tear, &tearing);
         assert!(cloth.particles.is_finite());
     }
@@ -98,7 +98,7 @@ fn what_a_crack_points_at_is_weak_and_what_it_has_passed_is_as_strong_as_it_was(
         }
         cloth.step(TICK, GRAVITY);
         cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
         let Some(torn) = cloth.tear(&mut tear, &tearing) else { continue };
         let parted = torn.splits[0].particle;
         let copy = torn.change.born[0];
@@ -135,7 +135,7 @@ fn pull(cloth: &mut Cloth, tearing: &Tearing, at: Vec3, drawn: Vec3, seconds: f3
         cloth.constraints.grabs = vec![grab];
         cloth.step(TICK, GRAVITY);
         from = to;
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
         if let Some(torn) = cloth.tear(&mut tear, tearing) {
             held = torn.change.triangles.iter().position(|source| *source == held as u32).unwrap();
             torn_at.extend(torn.splits.iter().map(|split| cloth.topology.rest[split.particle as usize]));
@@ -221,7 +221,7 @@ fn the_overloaded_end_of_a_thread_cannot_part_and_its_cloth_is_not_even_copied()
         hem.iter().for_each(|slot| cloth.particles.add_force(*slot as usize, Vec3::NEG_Y * 0.5));
         cloth.step(TICK, GRAVITY);
         cloth.particles.force.as_mut().unwrap().fill(Vec3::ZERO);
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
         assert!(tear.tear(&mut cloth.topology, &[], &Tearing::at(1e6), &[]).is_none());
         assert!(Arc::ptr_eq(&before, &cloth.topology));
     }
@@ -240,7 +240,7 @@ fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
             let tearing = Tearing::at(120.0);
             for tick in 0..90 {
                 cloth.step(TICK, GRAVITY);
-                tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt / 10.0, TICK.dt);
+                tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
                 let torn = cloth.tear(&mut tear, &tearing).is_some();
                 assert!(!torn, "torn after {fallen} m, mesh: {mesh}, tick {tick}");
             }

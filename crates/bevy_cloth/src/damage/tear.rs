@@ -93,8 +93,7 @@ pub(crate) fn tear(
             commands.entity(cloth.entity).try_insert(state);
             continue;
         };
-        let h = tick.dt / plan.substeps as f32;
-        state.0.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, h, tick.dt);
+        state.0.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, tick.dt);
         let Tearable { scale, splits, weakening, reinforcement, reach, .. } = *tearable;
         let strength = fabric.copied().unwrap_or_default().strength * scale;
         let tearing = Tearing { strength, splits, weakening, reinforcement, reach };

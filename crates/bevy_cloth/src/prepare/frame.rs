@@ -2,10 +2,11 @@
 
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use cloth_solver::cloth::{Constraints, Substep, Tick};
+use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Grab as SolverGrab;
 use cloth_solver::contact::Contacts;
-use cloth_solver::{Fabric, Method, Particles, Pose, Soa3};
+use cloth_solver::tick::{Effort, Pace};
+use cloth_solver::{Fabric, Method, Particles, Pose, Soa3, Substep, Tick};
 
 use super::placement::{Placement, Placements};
 use super::{Anchors, Authored};
@@ -26,36 +27,49 @@ const TELEPORT: f32 = 10.0;
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct StepPlan {
-    /// How many substeps; 0 if it stands in this tick.
+    /// How many substeps it took, those that were repeated included; 0 if it stands in this tick.
     pub substeps: u32,
-    /// Iterations in each of them.
-    iterations: u32,
+    /// The substep at hand; `None` for a cloth that has come to the end of the tick, or that has to repeat its substep.
+    pub substep: Option<Substep>,
+    tick: Option<Tick>,
+    pace: Pace,
+    budget: Substeps,
     /// Where each hand pulled to at the end of the last tick, in the world.
     hands: Vec<(u32, Vec3)>,
 }
 
 impl StepPlan {
-    /// Finds the number of substeps from the load of the last tick. Where a particle's load asks for f times the inertia
-    /// it has, √f times as many substeps do without it; a cloth that is relieved comes back to its budget one by one.
-    fn plan_substeps(&mut self, budget: &Substeps, particles: &Particles) {
-        self.iterations = budget.iterations;
-        if budget.max <= budget.count {
-            self.substeps = budget.count;
-            return;
-        }
-        let mut heaviest = 0.0_f32;
-        for (load, mass) in particles.load.iter().zip(&particles.mass) {
-            heaviest = if *load > heaviest * mass && *mass > 0.0 { load / mass } else { heaviest };
-        }
-        let asked = (self.substeps.max(1) as f32 * heaviest.sqrt()).ceil() as u32;
-        let relieved = self.substeps.saturating_sub(1);
-        self.substeps = asked.max(relieved).min(budget.max).max(budget.count);
+    fn plan_substeps(&mut self, budget: &Substeps) {
+        self.substeps = budget.count;
+        self.budget = *budget;
     }
 
-    /// What this cloth does in the substep at hand, if it has so many.
-    pub fn substep(&self, tick: &ClothTick) -> Option<Substep> {
-        (tick.substep < self.substeps)
-            .then(|| Tick { dt: tick.dt, substeps: self.substeps, iterations: self.iterations }.substep(tick.substep))
+    /// Begins the tick.
+    pub fn begin(&mut self, dt: f32, particles: &Particles, constraints: &Constraints, contacts: &Contacts) {
+        self.tick = None;
+        if self.substeps > 0 {
+            let Substeps { count, max, iterations } = self.budget;
+            let tick = constraints.adapt(particles, Tick { dt, substeps: count, most: max.max(count), iterations });
+            self.pace.begin(&tick, contacts.least_substeps(particles));
+            self.tick = Some(tick);
+        }
+    }
+
+    /// Goes on to the next substep, if there is one.
+    pub fn next(&mut self) -> bool {
+        self.substep = self.tick.as_ref().and_then(|tick| self.pace.substep(tick));
+        self.substep.is_some()
+    }
+
+    /// Whether the substep at hand, having been like that, is taken; if not it is none any more.
+    pub fn accepts(&mut self, effort: &Effort) -> bool {
+        let (Some(tick), Some(sub)) = (&self.tick, self.substep) else { return false };
+        let accepted = self.pace.accept(tick, &sub, effort);
+        self.substeps = self.pace.taken();
+        if !accepted {
+            self.substep = None;
+        }
+        accepted
     }
 }
 
@@ -110,7 +124,7 @@ pub(crate) fn advance(
         cloth.anchors.advance(&frame, &placements, cloth.constraints.pin_frames_mut());
         cloth.move_hands(&frame);
         cloth.set_method(cloth.method.copied().unwrap_or(method.0));
-        cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps), &cloth.particles);
+        cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps));
     }
 }
 
@@ -146,8 +160,6 @@ impl TickingItem<'_, '_> {
     fn set_method(&mut self, method: Method) {
         if self.constraints.method() != method {
             self.constraints.set_method(&self.topology.0, method);
-            // Not every method measures it, and what another one left would go on to weigh on the cloth.
-            self.particles.load.fill(0.0);
         }
     }
 

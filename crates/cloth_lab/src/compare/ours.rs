@@ -21,7 +21,7 @@ impl Ours {
     /// # Errors
     /// What in the scene is out of range.
     pub fn new(setup: &Setup, method: Method, substeps: u32, iterations: u32) -> Result<Self, ClothError> {
-        Ok(Self { cloth: setup.cloth(method)?, tick: Tick { dt: 1.0 / RATE, substeps, iterations } })
+        Ok(Self { cloth: setup.cloth(method)?, tick: Tick { iterations, ..Tick::at_least(1.0 / RATE, substeps) } })
     }
 }
 

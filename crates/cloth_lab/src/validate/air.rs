@@ -66,8 +66,8 @@ fn force(cells: u32, wind: Vec3, moving: Vec3) -> Result<DVec3, ClothError> {
 pub fn force_on(cloth: &mut Cloth, wind: &WindField) -> DVec3 {
     wind.sample(&cloth.topology, &mut cloth.particles);
     // For so short a time that what a particle may get does not bound it.
-    let short = Tick { dt: 1e-6, substeps: 1, iterations: 1 };
-    Air::default().blow(&cloth.topology, &mut cloth.particles, &short.substep(0));
+    let short = Tick::fixed(1e-6, 1);
+    Air::default().blow(&cloth.topology, &mut cloth.particles, &short.first());
     let force = cloth.particles.airflow.as_ref().map(|airflow| &airflow.force);
     force.map_or(DVec3::ZERO, |all| (0..all.len()).map(|slot| all.get(slot).as_dvec3()).sum())
 }

@@ -69,8 +69,7 @@ fn torn_at(method: Method, cells: u32, as_mesh: bool, strength: f32, notch: Opti
         }
         cloth.step(tick, GRAVITY);
         cloth.particles.force.iter_mut().for_each(|force| force.fill(Vec3::ZERO));
-        let h = tick.dt / tick.substeps as f32;
-        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, h, tick.dt);
+        tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, tick.dt);
         if cloth.tear(&mut tear, &tearing).is_some() {
             return Ok(f64::from(weight) + own);
         }

@@ -177,7 +177,7 @@ pub const STATIC: &[Method] = &[Method::XpbdLines, Method::XpbdSweeps, Method::P
 pub fn budget(method: Method) -> Tick {
     let scene = Scene::default();
     let (substeps, iterations) = if method == Method::default() { (scene.substeps, scene.iterations) } else { (10, 1) };
-    Tick { dt: 1.0 / scene.rate, substeps, iterations }
+    Tick { iterations, ..Tick::at_least(1.0 / scene.rate, substeps) }
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ fn pulled(cloth: &Cloth) -> f64 {
 fn oscillate(method: Method, h: f64) -> Result<Swing, ClothError> {
     let mut cloth = oscillator(method)?;
     // Newton's and other iterations are to be converged: it is the integrator that is looked at.
-    let tick = Tick { dt: h as f32, substeps: 1, iterations: if method.iterates() { 10 } else { 1 } };
+    let tick = Tick { iterations: if method.iterates() { 10 } else { 1 }, ..Tick::fixed(h as f32, 1) };
     let mut samples = vec![pulled(&cloth)];
     // Explicit Euler would swing through its hinge before the end.
     let run = if method == Method::ExplicitEuler { 0.2 * RUN } else { RUN };
@@ -152,7 +152,7 @@ pub fn stability(bench: &mut Bench) -> Result<(), ClothError> {
         }
         for part in [0.95, 1.05] {
             let mut cloth = oscillator(method)?;
-            let tick = Tick { dt: (part * limit / TAU) as f32, substeps: 1, iterations: 1 };
+            let tick = Tick::fixed((part * limit / TAU) as f32, 1);
             let mut largest: f64 = 0.0;
             for _ in 0..500 {
                 cloth.step(tick, Vec3::ZERO);
@@ -224,7 +224,7 @@ pub fn pendulum(bench: &mut Bench) -> Result<(), ClothError> {
             let mut cloth = pendulum_at(method, core::f32::consts::FRAC_PI_2)?;
             let first = head(&cloth);
             let seconds = 10.0 * small * closed::pendulum(TAU / 4.0);
-            rig::run(&mut cloth, Tick { dt: 1.0 / 60.0, substeps, iterations: 1 }, GRAVITY, seconds as f32);
+            rig::run(&mut cloth, Tick::at_least(1.0 / 60.0, substeps), GRAVITY, seconds as f32);
             let what = format!("energy kept after 10 periods from 90° at h = 1/{}", 60 * substeps);
             bench.claim(CHECK, what, method, head(&cloth) / first, kept, Bound::Absolute(within));
         }

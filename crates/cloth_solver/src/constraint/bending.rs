@@ -2,16 +2,17 @@
 //!
 //! Energy `½ Σ A D |κ − κ₀|²` over triangles and the three components of curvature; with κ linear in the positions (isometric
 //! bending, Bergou et al. 2006) that is `½ xᵀQx − tᵀx`, Q constant and without directions, t from the rest shape alone and 0
-//! where that is flat. The substep is implicit: `(M/h² + Q) d = t − Q (x + Δ)`, by conjugate gradients, a handful of iterations
-//! for cloth and as many as it takes for what is stiff: swept, no part of a mesh gets stiffer than its mass over h².
+//! where that is flat. Its force is that where the substep begins; where it is too stiff for the longest substep H it is filtered,
+//! `(M/H² + θ Q) d = t − Q x`, by conjugate gradients in the masses, a handful of iterations and as many as it takes for what is
+//! stiff. From nothing on, every iterate is a symmetric matrix without directions times x: it moves and turns nothing as a whole.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
 use glam::{DVec3, Vec3};
 
-use super::batch::Packed;
+use super::batch::{Packed, pack};
 use crate::topology::{Curvature, curvatures};
-use crate::{Fabric, Particles, Soa3, Topology};
+use crate::{Fabric, Particles, Soa3, Substep, Topology};
 
 /// How much of the force that bending exerts may be left to find, as root mean square.
 const TOLERANCE: f64 = 0.02;
@@ -37,8 +38,13 @@ pub(super) struct Bending {
     rest: Vec<Vec3>,
     /// Number of triangles that resist.
     count: usize,
+    /// Sum of the entries of each row of Q without their signs, N/m.
+    largest: Vec<f32>,
     work: Work,
 }
+
+/// ω² H² of the fastest wave of bending after filtering, H the longest substep.
+const FASTEST: f32 = 1.2;
 
 /// Vectors of the conjugate gradients.
 #[derive(Clone, Debug, Default)]
@@ -47,17 +53,19 @@ struct Work {
     direction: Vec<Packed>,
     image: Vec<Packed>,
     found: Vec<Packed>,
-    /// M/h² of each slot; 0 for what does not move.
+    /// M/H² of each slot; 0 for what does not move.
     inertia: Vec<f32>,
-    /// The inverse of the diagonal.
+    /// Its inverse; 0 for what does not move.
     scale: Vec<f32>,
+    /// θ.
+    filter: f32,
 }
 
 impl Work {
     fn new(slots: usize) -> Self {
         let vector = || vec![[0.0; 4]; slots];
         let [inertia, scale] = [vec![0.0; slots], vec![0.0; slots]];
-        Self { residual: vector(), direction: vector(), image: vector(), found: vector(), inertia, scale }
+        Self { residual: vector(), direction: vector(), image: vector(), found: vector(), inertia, scale, filter: 0.0 }
     }
 }
 
@@ -76,6 +84,7 @@ impl Bending {
             count: all.iter().filter(|curvature| curvature.parts.len() > 3).count(),
             curved: Vec::new(),
             rest: Vec::new(),
+            largest: Vec::new(),
             work: Work::new(topology.slots()),
         };
         let stiffness: Vec<[f64; 3]> = all.iter().map(|curvature| curvature.stiffness(fabric)).collect();
@@ -114,6 +123,9 @@ impl Bending {
             }
             made.rows.push([first, made.columns.len()].map(|at| at as u32));
         }
+        let entries = |[first, end]: [u32; 2]| &made.values[first as usize..end as usize];
+        let sum = |(row, own): (&[u32; 2], &f32)| own + entries(*row).iter().map(|value| value.abs()).sum::<f32>();
+        made.largest = made.rows.iter().zip(&made.diagonal).map(sum).collect();
         made.curved = (all.into_iter().filter(|curvature| !curvature.is_flat()))
             .map(|curvature| {
                 let stiffness = curvature.stiffness(fabric);
@@ -158,30 +170,41 @@ impl Bending {
         self.add_targets(|slot| position.get(slot as usize).as_dvec3(), |i, pull| force.set(i, force.get(i) + pull));
     }
 
-    /// Bends as far as a substep of length `h` allows.
+    /// ω² H² of the fastest wave for the square H² of a substep, s²: at most the largest sum of a row (Gershgorin).
+    pub fn fastest(&self, inverse_mass: &[f32], square: f32) -> f32 {
+        inverse_mass.iter().zip(&self.largest).fold(0.0, |most, (w, row)| (w * row * square).max(most))
+    }
+
+    /// Moves every particle by what bends it where the substep begins.
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn push<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) {
         let mut work = std::mem::take(&mut self.work);
         let Particles { position, moved, inverse_mass, mass, .. } = particles;
+        let square = sub.longest * sub.longest;
+        let fastest = self.fastest(inverse_mass, square);
         for (i, w) in inverse_mass.iter().enumerate() {
-            let inertia = if *w > 0.0 { 1.0 / (w * h * h) } else { 0.0 };
-            work.inertia[i] = inertia;
-            work.scale[i] = if *w > 0.0 { 1.0 / (inertia + self.diagonal[i]) } else { 0.0 };
+            work.inertia[i] = if *w > 0.0 { 1.0 / (w * square) } else { 0.0 };
+            work.scale[i] = w * square;
         }
-        // From what was found in the last substep on, if that is better than nothing: what is at rest needs next to no iterations,
-        // however stiff it is. With r what is left to find, `½ dᵀM/h²d + dᵀr > 0` is enough for that, Q being positive.
-        for (found, inertia) in work.found.iter_mut().zip(&work.inertia) {
-            if *inertia <= 0.0 {
-                *found = [0.0; 4];
+        work.filter = if fastest > FASTEST { 1.0 / FASTEST - 1.0 / fastest } else { 0.0 };
+        pack(position, inverse_mass, &mut work.direction);
+        for i in 0..self.rows.len() {
+            (f32x4::splat(simd, 0.0) - self.times(simd, i, &work.direction)).store_slice(&mut work.residual[i]);
+        }
+        self.add_targets(
+            |slot| position.get(slot as usize).as_dvec3(),
+            |i, pull| work.residual[i] = (Vec3::from_slice(&work.residual[i]) + pull).extend(0.0).to_array(),
+        );
+        if work.filter > 0.0 {
+            work.found.fill([0.0; 4]);
+            self.iterate(simd, &mut work);
+        } else {
+            for i in 0..self.rows.len() {
+                let push = f32x4::simd_from(simd, work.residual[i]) * f32x4::splat(simd, work.scale[i]);
+                push.store_slice(&mut work.found[i]);
             }
         }
-        let gain = self.start(simd, position, moved, &mut work);
-        if gain.is_nan() || gain <= 0.0 {
-            work.found.fill([0.0; 4]);
-            self.start(simd, position, moved, &mut work);
-        }
-        self.iterate(simd, &mut work);
-        // What is not found yet must not push cloth that hangs on nothing.
+        // What rounding leaves must not push cloth that hangs on nothing.
         if mass.iter().zip(&work.inertia).all(|(mass, inertia)| *mass <= 0.0 || *inertia > 0.0) {
             let (mut push, mut all) = (DVec3::ZERO, 0.0);
             for (found, inertia) in work.found.iter().zip(&work.inertia) {
@@ -193,34 +216,11 @@ impl Bending {
                 *found = (Vec3::from_slice(found) - push).extend(0.0).to_array();
             }
         }
+        let share = sub.share();
         for i in 0..self.rows.len() {
-            moved.set(i, moved.get(i) + Vec3::from_slice(&work.found[i]));
+            moved.set(i, moved.get(i) + Vec3::from_slice(&work.found[i]) * share);
         }
         self.work = work;
-    }
-
-    /// The residual at what is `found`; half of its inertial energy and what the residual would do along it.
-    #[inline(always)]
-    fn start<S: Simd>(&self, simd: S, position: &Soa3, moved: &Soa3, work: &mut Work) -> f64 {
-        let Work { residual, direction: place, found, inertia, .. } = work;
-        for i in 0..self.rows.len() {
-            let at = position.get(i) + moved.get(i) + Vec3::from_slice(&found[i]);
-            place[i] = at.extend(0.0).to_array();
-        }
-        for (i, residual) in residual.iter_mut().enumerate() {
-            let pull = self.times(simd, i, place) + f32x4::simd_from(simd, found[i]) * f32x4::splat(simd, inertia[i]);
-            (f32x4::splat(simd, 0.0) - pull).store_slice(residual);
-        }
-        self.add_targets(
-            |slot| Vec3::from_slice(&place[slot as usize]).as_dvec3(),
-            |i, pull| residual[i] = (Vec3::from_slice(&residual[i]) + pull).extend(0.0).to_array(),
-        );
-        let mut gain = 0.0;
-        for i in 0..self.rows.len() {
-            let [found, residual] = [found[i], residual[i]].map(|v| f32x4::simd_from(simd, v));
-            gain += dot(found, found * f32x4::splat(simd, 0.5 * inertia[i]) + residual);
-        }
-        gain
     }
 
     /// Row `i` of Q times `vector`.
@@ -242,10 +242,11 @@ impl Bending {
         (sums[0] + sums[1]) + (sums[2] + sums[3])
     }
 
-    /// Conjugate gradients, preconditioned by the diagonal, from `found` and `residual` on.
+    /// Conjugate gradients, preconditioned by the masses, from `found` and `residual` on.
     #[inline(always)]
     fn iterate<S: Simd>(&self, simd: S, work: &mut Work) {
         let slots = self.rows.len();
+        let filter = f32x4::splat(simd, work.filter);
         let mut sum = 0.0;
         for i in 0..slots {
             let residual = f32x4::simd_from(simd, work.residual[i]);
@@ -260,7 +261,7 @@ impl Bending {
             let mut curvature = 0.0;
             for i in 0..slots {
                 let here = f32x4::simd_from(simd, work.direction[i]);
-                let image = self.times(simd, i, &work.direction) + here * f32x4::splat(simd, work.inertia[i]);
+                let image = self.times(simd, i, &work.direction) * filter + here * f32x4::splat(simd, work.inertia[i]);
                 image.store_slice(&mut work.image[i]);
                 curvature += dot(here, image);
             }
@@ -371,8 +372,10 @@ mod tests {
         for curved in [false, true] {
             let (topology, mut particles) = bent(curved);
             let mut bending = Bending::new(&topology, &FABRIC).expect("a fabric that bends");
+            let h = 1.0 / 600.0;
+            let sub = Substep { h, kick: h, longest: h, start: 0.0, end: 1.0, iterations: 1 };
             for _ in 0..3 {
-                dispatch!(*LEVEL, simd => bending.solve(simd, &mut particles, 1.0 / 600.0));
+                dispatch!(*LEVEL, simd => bending.push(simd, &mut particles, &sub));
             }
             let (mut sum, mut spin, mut moved) = (DVec3::ZERO, DVec3::ZERO, 0.0);
             for i in 0..particles.slots() {

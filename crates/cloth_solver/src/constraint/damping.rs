@@ -1,14 +1,17 @@
-//! Internal friction: what is not rigid motion fades (Müller et al. 2007, §3.5).
+//! Internal friction: what is not rigid motion of a piece fades (Müller et al. 2007, §3.5), and of a piece that is pinned what is
+//! not the motion of its pins.
 //!
-//! It takes no momentum, linear or angular, and leaves free fall and rigid swings alone. Local dashpots on shear and
-//! bending were tried and left the slow swings of hanging flaps, which hardly shear or bend, as they were.
+//! Of what hangs on nothing it takes no momentum, linear or angular: free fall and spin stay. A piece that is held would, without
+//! air, swing for ever about a corner or a line: that is rigid motion, too. Real cloth does not, it rubs where it is held. Local
+//! dashpots on shear and bending were tried and left the slow swings of hanging flaps, which hardly shear or bend, as they were.
 
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
+use super::pin::Pins;
 use crate::lanes::LANES;
 use crate::topology::Pieces;
-use crate::{Particles, Soa3};
+use crate::{Motion, Particles, Soa3};
 
 /// Sums over particles of mass m at x with velocity v: of m, m x, m x², m (y z, z x, x y), m v and m x × v, in this order.
 type Sums = [f64; 16];
@@ -20,6 +23,8 @@ pub(super) struct Body {
     centre: DVec3,
     drift: DVec3,
     spin: DVec3,
+    /// The number of its pins, and the sums of the drift at the origin and of the spin of their frames.
+    held: (f64, DVec3, DVec3),
 }
 
 /// [`Sums`] in eight lanes, that compile to vector code: a single sum of floats may not be taken out of order.
@@ -64,7 +69,11 @@ impl Moments {
 }
 
 impl Body {
-    fn new(sums: Sums) -> Self {
+    fn new(sums: Sums, held: (f64, DVec3, DVec3)) -> Self {
+        let (pins, drift, spin) = held;
+        if pins > 0.0 {
+            return Self { sums, centre: DVec3::ZERO, drift: drift / pins, spin: spin / pins, held };
+        }
         let mass = sums[0];
         if mass <= 0.0 {
             return Self::default();
@@ -84,17 +93,29 @@ impl Body {
         // Particles on a line resist no rotation about it.
         let singular = inertia.determinant() <= 1e-9 * size * size * size;
         let spin = if singular { DVec3::ZERO } else { inertia.inverse() * angular };
-        Self { sums, centre: c, drift, spin }
+        Self { sums, centre: c, drift, spin, held }
     }
 }
 
-/// Moves the velocity of every free particle towards that of the rigid motion of its piece, by `1 − exp(−rate dt)`. A cloth
+/// The velocity at the origin and the spin of a frame that moves within `dt`.
+fn motion(frame: &Motion, dt: f64) -> (DVec3, DVec3) {
+    if frame.from == frame.to {
+        return (DVec3::ZERO, DVec3::ZERO);
+    }
+    let turn = (frame.to.rotation * frame.from.rotation.conjugate()).normalize().to_scaled_axis().as_dvec3();
+    let spin = turn / dt;
+    let (from, to) = (frame.from.position.as_dvec3(), frame.to.position.as_dvec3());
+    ((to - from) / dt - spin.cross(to), spin)
+}
+
+/// Moves the velocity of every free particle towards that of the rigid motion of its piece, or of its pins, by `1 − exp(−rate dt)`. A cloth
 /// in one piece has no `pieces`. `bodies` is working memory.
 #[inline(always)]
 pub(super) fn damp<S: Simd>(
     _: S,
     particles: &mut Particles,
     pieces: Option<&Pieces>,
+    pins: &Pins,
     bodies: &mut Vec<Body>,
     rate: f32,
     dt: f32,
@@ -102,6 +123,12 @@ pub(super) fn damp<S: Simd>(
     let Particles { position: x, velocity: v, mass, inverse_mass, .. } = particles;
     bodies.clear();
     bodies.resize(pieces.map_or(1, |pieces| pieces.triangles.len()), Body::default());
+    for pin in &pins.pins {
+        let piece = pieces.map_or(0, |pieces| pieces.of_slot[pin.particle as usize] as usize);
+        let (Some(body), Some(frame)) = (bodies.get_mut(piece), pins.frames.get(pin.frame as usize)) else { continue };
+        let (drift, spin) = motion(frame, f64::from(dt));
+        body.held = (body.held.0 + 1.0, body.held.1 + drift, body.held.2 + spin);
+    }
     let mut start = 0;
     while let Some((piece, end)) = run(pieces, start, mass.len()) {
         let mut moments = Moments::default();
@@ -124,7 +151,7 @@ pub(super) fn damp<S: Simd>(
         start = end;
     }
     for body in bodies.iter_mut() {
-        *body = Body::new(body.sums);
+        *body = Body::new(body.sums, body.held);
     }
     let fade = 1.0 - libm::expf(-rate * dt);
     start = 0;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::Particles;
-use crate::cloth::Substep;
+use crate::tick::Substep;
 
 /// A hand on the cloth. It holds a point of one triangle and pulls it towards a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,10 +29,19 @@ const FINGERTIP_MASS: f32 = 0.02;
 impl Grab {
     /// Adds the fingertip's inertia to that of the three particles, for one substep.
     pub(crate) fn take_hold(&self, particles: &mut Particles) {
+        self.weigh(particles, FINGERTIP_MASS);
+    }
+
+    /// Takes it off again.
+    pub(crate) fn let_go(&self, particles: &mut Particles) {
+        self.weigh(particles, 0.0);
+    }
+
+    fn weigh(&self, particles: &mut Particles, fingertip: f32) {
         for (&particle, share) in self.particles.iter().zip(self.weights) {
-            let w = &mut particles.inverse_mass[particle as usize];
+            let (w, mass) = (&mut particles.inverse_mass[particle as usize], particles.mass[particle as usize]);
             if *w > 0.0 {
-                *w = 1.0 / (1.0 / *w + FINGERTIP_MASS * share);
+                *w = 1.0 / (mass + fingertip * share);
             }
         }
     }

@@ -8,7 +8,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Batches, gather, gather3, scatter3};
 use crate::lanes::{LANES, Vec3x8, splat};
-use crate::{Fabric, Particles, Topology};
+use crate::{Fabric, Particles, Substep, Topology};
 
 /// The hinges of a mesh, eight at a time.
 #[derive(Clone, Debug)]
@@ -38,36 +38,70 @@ impl Hinges {
         self.batches.source.iter().flatten().flatten().count()
     }
 
-    /// Solves every hinge once.
+    /// Solves every hinge once as a constraint, in a substep whose length times that of its kick is `square`.
     #[inline(always)]
-    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, h: f32) {
-        let Particles { position, moved, inverse_mass, .. } = particles;
-        let per_step = splat(simd, 1.0 / (h * h));
+    pub fn solve<S: Simd>(&self, simd: S, particles: &mut Particles, square: f32) {
+        let per_step = splat(simd, 1.0 / square);
         for (g, group) in self.batches.groups.iter().enumerate() {
+            let Eight { moves, x, w } = Eight::gather(simd, particles, group);
             // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
-            let [a, b, c, d] = group;
-            let origin = gather3(simd, position, a);
-            let moves =
-                [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c), gather3(simd, moved, d)];
-            let x = [
-                moves[0],
-                gather3(simd, position, b) - origin + moves[1],
-                gather3(simd, position, c) - origin + moves[2],
-                gather3(simd, position, d) - origin + moves[3],
-            ];
-            let w = [
-                gather(simd, inverse_mass, a),
-                gather(simd, inverse_mass, b),
-                gather(simd, inverse_mass, c),
-                gather(simd, inverse_mass, d),
-            ];
+            let x = [moves[0], x[1] + moves[1], x[2] + moves[2], x[3] + moves[3]];
             let (angle, gradient) = angle_and_gradient(simd, x);
             let turn = wrap(simd, angle - f32x8::simd_from(simd, self.rest_angle[g]));
             let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
             let lambda = -turn / (weight(&w, &gradient) + compliance);
             for i in 0..4 {
-                scatter3(moves[i] + gradient[i] * (lambda * w[i]), moved, &group[i]);
+                scatter3(moves[i] + gradient[i] * (lambda * w[i]), &mut particles.moved, &group[i]);
             }
+        }
+    }
+
+    /// Moves every particle by the moments of its hinges where the substep begins, no stiffer than the longest one resolves.
+    #[inline(always)]
+    pub fn push<S: Simd>(&self, simd: S, particles: &mut Particles, sub: &Substep) {
+        let (per_step, share) = (splat(simd, 1.0 / (sub.longest * sub.longest)), splat(simd, sub.share()));
+        for (g, group) in self.batches.groups.iter().enumerate() {
+            let Eight { moves, x, w } = Eight::gather(simd, particles, group);
+            let (angle, gradient) = angle_and_gradient(simd, x);
+            let turn = wrap(simd, angle - f32x8::simd_from(simd, self.rest_angle[g]));
+            let compliance = f32x8::simd_from(simd, self.compliance[g]) * per_step;
+            let lambda = -turn * share / (weight(&w, &gradient) * splat(simd, RESOLVED) + compliance);
+            for i in 0..4 {
+                scatter3(moves[i] + gradient[i] * (lambda * w[i]), &mut particles.moved, &group[i]);
+            }
+        }
+    }
+}
+
+/// How much of Σ w |∇C|² a moment alone may be stiff by, for those of all neighbours to stay stable together.
+const RESOLVED: f32 = 6.0;
+
+/// The particles of eight hinges: where they are from the first on, how they move, their inverse masses.
+struct Eight<S: Simd> {
+    moves: [Vec3x8<S>; 4],
+    x: [Vec3x8<S>; 4],
+    w: [f32x8<S>; 4],
+}
+
+impl<S: Simd> Eight<S> {
+    #[inline(always)]
+    fn gather(simd: S, particles: &Particles, [a, b, c, d]: &[[u32; LANES]; 4]) -> Self {
+        let Particles { position, moved, inverse_mass, .. } = particles;
+        let origin = gather3(simd, position, a);
+        Self {
+            moves: [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c), gather3(simd, moved, d)],
+            x: [
+                origin - origin,
+                gather3(simd, position, b) - origin,
+                gather3(simd, position, c) - origin,
+                gather3(simd, position, d) - origin,
+            ],
+            w: [
+                gather(simd, inverse_mass, a),
+                gather(simd, inverse_mass, b),
+                gather(simd, inverse_mass, c),
+                gather(simd, inverse_mass, d),
+            ],
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Threads of a rectangle that was taken apart: what [`super::lines`] does to rows and columns, on runs of any particles,
 //! eight side by side.
 
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::Simd;
 
 use super::batch::{gather, gather3, scatter3};
 use super::grid::Stiffness;
-use super::lines::{self, Block, Elimination};
+use super::lines::{self, Block, Elimination, Links8, Met};
 use super::sweep;
 use super::wear::{GONE, Wear, Worn};
-use crate::lanes::{LANES, store};
+use crate::lanes::{LANES, splat, store};
 use crate::topology::Thread;
 use crate::{Particles, Soa3};
 
@@ -18,7 +18,6 @@ pub(super) struct Work {
     pub position: Soa3,
     pub moved: Soa3,
     pub inverse_mass: Vec<f32>,
-    pub load: Vec<f32>,
     pub elimination: Elimination,
 }
 
@@ -30,7 +29,6 @@ impl Work {
             position: Soa3::zeros(len),
             moved: Soa3::zeros(len),
             inverse_mass: vec![0.0; len],
-            load: vec![0.0; len],
             elimination: Elimination::new(longest),
         }
     }
@@ -46,7 +44,7 @@ pub(super) struct Listed {
     /// Factors on compliance and rest length.
     compliance: Vec<f32>,
     rest: Vec<f32>,
-    lambda: Vec<f32>,
+    found: Links8,
     /// The rows or columns of the threads.
     runs: Vec<u32>,
 }
@@ -74,7 +72,7 @@ impl Listed {
             slots: vec![[padding; LANES]; count],
             compliance: narrow.clone(),
             rest: vec![1.0; count * LANES],
-            lambda: vec![0.0; count * LANES],
+            found: Links8::new(count * LANES),
             narrow,
             runs: Vec::new(),
         }
@@ -106,7 +104,7 @@ impl Listed {
     pub fn links(&self) -> impl Iterator<Item = ([u32; 2], f32, f32)> + '_ {
         (self.narrow.iter().enumerate()).filter(|(_, narrow)| **narrow < GONE).map(|(link, narrow)| {
             let (k, lane) = (link / LANES, link % LANES);
-            ([self.slots[k][lane], self.slots[k + 1][lane]], self.lambda[link], *narrow)
+            ([self.slots[k][lane], self.slots[k + 1][lane]], self.found.lambda[link], *narrow)
         })
     }
 
@@ -118,7 +116,7 @@ impl Listed {
     }
 
     fn block(&self, spacing: f32) -> Block {
-        Block { base: 0, stride: LANES, count: self.slots.len(), spacing }
+        Block { base: 0, stride: LANES, count: self.slots.len(), spacing, links: 0 }
     }
 
     #[inline(always)]
@@ -137,23 +135,27 @@ impl Listed {
         }
     }
 
-    /// Bending and stretch, solved exactly along each thread; the largest load, as [`lines::stretch`] gives it.
+    /// A pass over the stretch of each thread; the first of a substep after bending.
     #[inline(always)]
-    pub fn solve<S: Simd>(
+    pub fn solve<S: Simd, const FIRST: bool>(
         &mut self,
         simd: S,
         particles: &mut Particles,
         stiffness: Stiffness,
         work: &mut Work,
-    ) -> f32x8<S> {
+    ) -> Met<S> {
         self.gather(simd, particles, work);
         let block = self.block(stiffness.spacing);
-        let worn = Some(Worn::new(&self.compliance, &self.rest));
-        let (compliance, lambda) = (stiffness.of_one_spacing(simd), &mut self.lambda);
-        let Work { position, moved, inverse_mass, elimination, .. } = &mut *work;
-        let load = lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, elimination);
+        let worn = Worn::new(&self.compliance, &self.rest);
+        let Work { position, moved, inverse_mass, elimination } = &mut *work;
+        if FIRST && let Some(bend) = stiffness.bend(simd, splat(simd, 1.0)) {
+            lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
+        }
+        let (compliance, found) = (splat(simd, stiffness.stretch), &mut self.found);
+        let met =
+            lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
         self.scatter(simd, work, particles);
-        load
+        met
     }
 
     /// The same constraints swept, rigidly without `stiffness`.
@@ -178,20 +180,12 @@ impl Listed {
         self.scatter(simd, work, particles);
     }
 
-    /// Waves across the threads made implicit, and the load recorded: see [`lines::soften`].
+    /// Waves across the threads slowed: see [`lines::filter`].
     #[inline(always)]
-    pub fn soften<S: Simd>(&self, simd: S, particles: &mut Particles, spacing: f32, scale: f32, work: &mut Work) {
+    pub fn filter<S: Simd>(&self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work) {
         self.gather(simd, particles, work);
-        let block = self.block(spacing);
-        let Work { moved, inverse_mass, load: inertia, elimination, .. } = &mut *work;
-        lines::soften(simd, block, moved, inverse_mass, &self.lambda, elimination);
-        inertia.fill(0.0);
-        lines::record_load(simd, block, &self.lambda, scale, inertia);
+        let Work { position, moved, inverse_mass, elimination } = &mut *work;
+        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &self.found, elimination);
         self.scatter(simd, work, particles);
-        for (k, slots) in self.slots.iter().enumerate() {
-            for lane in 0..LANES {
-                particles.load[slots[lane] as usize] += work.load[k * LANES + lane];
-            }
-        }
     }
 }

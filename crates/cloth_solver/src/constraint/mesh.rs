@@ -1,22 +1,30 @@
 //! The constraints of a mesh that is no grid: bending, then triangles, then strips of triangles.
 
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 use super::bending::Bending;
 use super::force::MeshForces;
+use super::grid::{CLOSE, MOST_PASSES, PASSES, QUIET, SETTLED};
 use super::hinges::Hinges;
+use super::mesh_shear::MeshShear;
 use super::strips::{Packs, Strips};
 use super::tension::Tensions;
 use super::triangles::{Of, Triangles};
 use super::wear::Wear;
 use crate::method::Method;
+use crate::tick::{Effort, Substep};
 use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
+
+/// The largest T h²/(m l) up to which waves across strips are stable as they are.
+const LARGEST_LOAD: f32 = 0.3;
 
 /// What keeps a mesh of fabric together.
 #[derive(Clone, Debug)]
 pub(super) struct MeshConstraints {
     triangles: Triangles,
+    shear: Option<Box<MeshShear>>,
     /// Stretch along weft and warp, where the method solves it along strips.
     strips: Option<Box<[Strips; 2]>>,
     packs: Packs,
@@ -24,6 +32,8 @@ pub(super) struct MeshConstraints {
     /// Instead, where bending is rigid.
     hinges: Option<Hinges>,
     pub fabric: Fabric,
+    /// Whether the last pass had next to nothing left to do.
+    settled: bool,
     /// Only for methods that step forces.
     pub forces: Option<Box<MeshForces>>,
 }
@@ -33,11 +43,13 @@ impl MeshConstraints {
         let all = |count: usize| (0..count as u32).collect::<Vec<_>>();
         let mut made = Self {
             triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
+            shear: None,
             strips: None,
             packs: Packs::new(topology.slots()),
             bending: None,
             hinges: None,
             fabric: *fabric,
+            settled: false,
             forces: None,
         };
         made.prepare(topology, method);
@@ -65,6 +77,7 @@ impl MeshConstraints {
         if (method == Method::XpbdLines) != self.strips.is_some() {
             let strips = |along| Strips::new(topology, along, &self.fabric);
             self.strips = (method == Method::XpbdLines).then(|| Box::new([Along::Weft, Along::Warp].map(strips)));
+            self.shear = self.strips.as_ref().and_then(|_| MeshShear::new(topology, fabric).map(Box::new));
         }
     }
 
@@ -81,40 +94,74 @@ impl MeshConstraints {
     pub fn wear(&mut self, wear: Option<Wear<'_>>) {
         self.triangles.wear(wear);
         self.strips.iter_mut().flat_map(|strips| strips.iter_mut()).for_each(|strips| strips.wear(wear));
+        if let Some(shear) = &mut self.shear {
+            shear.wear(wear);
+        }
     }
 
-    /// Adds the tensions in the last solve of a substep of length `h`.
-    pub fn add_tensions(&mut self, h: f32, to: &mut Tensions) {
+    /// Adds the tensions in the last substep, of that [`Substep::square`].
+    pub fn add_tensions(&mut self, square: f32, to: &mut Tensions) {
         match &self.strips {
-            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(h, to)),
-            None => self.triangles.add_tensions(h, to),
+            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(square, to)),
+            None => self.triangles.add_tensions(square, to),
         }
     }
 
     /// Number of constraints.
     pub fn count(&self) -> usize {
         let of_triangles = match &self.strips {
-            Some(strips) => self.triangles.count(Of::Shear) + strips.iter().map(Strips::count).sum::<usize>(),
-            None => self.triangles.count(Of::All),
+            Some(strips) => {
+                let shear = self.shear.as_ref().map_or(0, |shear| shear.count());
+                shear + strips.iter().map(Strips::count).sum::<usize>()
+            }
+            None => self.triangles.count(),
         };
         let bends = self.bending.as_ref().map_or(0, |bending| bending.count());
         of_triangles + bends + self.hinges.as_ref().map_or(0, Hinges::count)
     }
 
+    /// ω² H² of the fastest waves of bending and of shear in a substep of length H, s, without filter.
+    pub fn fastest(&self, particles: &Particles, h: f32) -> [f32; 2] {
+        let bending = self.bending.as_ref().map_or(0.0, |bending| bending.fastest(&particles.inverse_mass, h * h));
+        [bending, self.shear.as_ref().map_or(0.0, |shear| shear.fastest(h * h))]
+    }
+
+    /// Once in a substep.
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
         if let Some(bending) = &mut self.bending {
-            bending.solve(simd, particles, h);
+            bending.push(simd, particles, sub);
         }
-        if let Some(hinges) = &self.hinges {
-            hinges.solve(simd, particles, h);
+        if let Some(shear) = &mut self.shear {
+            shear.push(simd, particles, sub);
         }
-        match &mut self.strips {
-            None => self.triangles.solve(simd, particles, h, Of::All),
-            Some(strips) => {
-                self.triangles.solve(simd, particles, h, Of::Shear);
-                self.packs.solve(simd, particles, &mut **strips, h);
+        let Some(strips) = &mut self.strips else {
+            self.triangles.solve(simd, particles, sub.square(), Of::All);
+            return Effort::default();
+        };
+        self.packs.take(particles);
+        let mut met = self.packs.solve::<S, true>(simd, &mut **strips, sub.square());
+        let load = met.load.reduce_max();
+        if sub.start == 0.0 || met.change.reduce_max() > QUIET * QUIET {
+            self.settled = false;
+        }
+        for pass in 1..MOST_PASSES {
+            if self.settled || (pass >= PASSES && met.left.reduce_max() < CLOSE) {
+                break;
             }
+            met = self.packs.solve::<S, false>(simd, &mut **strips, sub.square());
+            self.settled = met.left.reduce_max() < SETTLED;
         }
+        self.packs.give(particles);
+        Effort { load: load / LARGEST_LOAD, mean_load: 0.0, motion: met.change.reduce_max().sqrt() }
+    }
+
+    /// Rigidly, once.
+    #[inline(always)]
+    pub fn solve_rigidly<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+        if let Some(hinges) = &self.hinges {
+            hinges.solve(simd, particles, f32::MAX);
+        }
+        self.triangles.solve(simd, particles, f32::MAX, Of::All);
     }
 }

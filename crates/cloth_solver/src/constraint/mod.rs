@@ -11,6 +11,7 @@ mod hinges;
 mod lines;
 mod listed;
 mod mesh;
+mod mesh_shear;
 mod nudge;
 mod patch;
 mod pin;
@@ -29,10 +30,10 @@ pub use wear::Wear;
 
 use fearless_simd::dispatch;
 
-use crate::cloth::Substep;
 use crate::lanes::LEVEL;
 use crate::method::Method;
-use crate::topology::{Change, Pieces};
+use crate::tick::{Effort, Substep, Tick};
+use crate::topology::{Along, Change, Pieces};
 use crate::{ClothError, Fabric, Particles, Soa3, Topology};
 use grid::{GridConstraints, Sweep};
 use mesh::MeshConstraints;
@@ -55,9 +56,16 @@ pub struct Constraints {
     method: Method,
     /// How worn the fabric is, if it is.
     worn: Option<wear::Kept>,
+    /// [`Substep::square`] of the last substep that was accepted, s².
+    square: f32,
     /// Working memory of the methods that step forces.
     pub(crate) explicit: crate::method::explicit::Scratch,
 }
+
+/// ω² H² of the fastest wave of bending, and of shear, up to which the longest substep H does: of what is filtered more strongly, as
+/// paper, nothing would stand against folds from cell to cell.
+const STIFFEST_BENDING: f32 = 100.0;
+const STIFFEST_SHEAR: f32 = 1000.0;
 
 /// What keeps the fabric together.
 #[derive(Clone, Debug, Default)]
@@ -196,12 +204,12 @@ impl Constraints {
             }
     }
 
-    /// How far the last substep, of length `h` (s), is from having solved the stretch constraints: the root mean square of
+    /// How far the last substep is from having solved the stretch constraints: the root mean square of
     /// `C + α̃ λ` over all links along warp and weft, in rest lengths. `None` for a mesh that is no
     /// grid.
-    pub fn residual(&self, particles: &Particles, h: f32) -> Option<f32> {
+    pub fn residual(&self, particles: &Particles) -> Option<f32> {
         match &self.surface {
-            Surface::Grid(grid) => Some(grid.residual(particles, h)),
+            Surface::Grid(grid) => Some(grid.residual(particles, self.square)),
             Surface::Mesh(_) | Surface::Empty => None,
         }
     }
@@ -237,10 +245,30 @@ impl Constraints {
         self.pins.apply(particles, sub.end);
     }
 
-    /// Solves every constraint once, soft ones first, so that what is stiff is most exact.
-    pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) {
-        particles.load.fill(0.0);
-        let compliant = Sweep::Compliant { h: sub.h };
+    /// How `tick` is divided for this cloth: in at least as many substeps as leave bending and shear something of their stiffness. Methods
+    /// that do not adapt take as many as they are told.
+    pub fn adapt(&self, particles: &Particles, tick: Tick) -> Tick {
+        if !self.method.adapts() {
+            return Tick { most: tick.substeps, ..tick };
+        }
+        let h = tick.dt / tick.substeps.max(1) as f32;
+        let [bending, shear] = match &self.surface {
+            Surface::Grid(grid) => {
+                let bending = [Along::Weft, Along::Warp].map(|along| grid.fastest_bending(along, h));
+                [bending[0].max(bending[1]), grid.fastest_shear(h)]
+            }
+            Surface::Mesh(mesh) => mesh.fastest(particles, h),
+            Surface::Empty => [0.0; 2],
+        };
+        let stiffest = (bending / STIFFEST_BENDING).max(shear / STIFFEST_SHEAR);
+        let least = tick.substeps.max(1) as f32 * stiffest.sqrt();
+        Tick { substeps: tick.substeps.max((least.ceil() as u32).min(tick.most)), ..tick }
+    }
+
+    /// Solves the constraints of a substep, soft ones first, so that what is stiff is most exact.
+    pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) -> Effort {
+        let compliant = Sweep::Compliant(*sub);
+        let mut effort = Effort::default();
         match (&mut self.surface, self.method) {
             (Surface::Empty, _) => {}
             (Surface::Grid(grid), Method::XpbdSweeps) => {
@@ -251,13 +279,13 @@ impl Constraints {
                     dispatch!(*LEVEL, simd => grid.sweep(simd, particles, Sweep::Rigid));
                 }
             }
-            (Surface::Grid(grid), _) => dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub.h)),
+            (Surface::Grid(grid), _) => effort = dispatch!(*LEVEL, simd => grid.solve(simd, particles, sub)),
             (Surface::Mesh(mesh), Method::Pbd) => {
                 for _ in 0..sub.iterations {
-                    dispatch!(*LEVEL, simd => mesh.solve(simd, particles, f32::MAX.sqrt()));
+                    dispatch!(*LEVEL, simd => mesh.solve_rigidly(simd, particles));
                 }
             }
-            (Surface::Mesh(mesh), _) => dispatch!(*LEVEL, simd => mesh.solve(simd, particles, sub.h)),
+            (Surface::Mesh(mesh), _) => effort = dispatch!(*LEVEL, simd => mesh.solve(simd, particles, sub)),
         }
         if let Some(tethers) = &self.tethers {
             tethers.solve(particles);
@@ -265,6 +293,15 @@ impl Constraints {
         // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
         for grab in &self.grabs {
             grab.apply(particles, sub);
+        }
+        effort
+    }
+
+    /// Takes note of a substep that was accepted.
+    pub(crate) fn accept(&mut self, particles: &mut Particles, sub: &Substep) {
+        self.square = sub.square();
+        for grab in &self.grabs {
+            grab.let_go(particles);
         }
     }
 
@@ -278,8 +315,8 @@ impl Constraints {
     /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
     pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
-            let (pieces, bodies, rate) = (self.pieces.as_ref(), &mut self.bodies, self.damping);
-            dispatch!(*LEVEL, simd => damping::damp(simd, particles, pieces, bodies, rate, dt));
+            let (pieces, pins, bodies, rate) = (self.pieces.as_ref(), &self.pins, &mut self.bodies, self.damping);
+            dispatch!(*LEVEL, simd => damping::damp(simd, particles, pieces, pins, bodies, rate, dt));
         }
     }
 }

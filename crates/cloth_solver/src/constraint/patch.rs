@@ -6,14 +6,15 @@ use fearless_simd::Simd;
 
 use super::batch::Batches;
 use super::cells::{CellModel, ListedCells};
-use super::grid::{Stiffness, largest};
+use super::grid::Stiffness;
 use super::hinges::Hinges;
+use super::lines::Met;
 use super::listed::{Listed, Work, pack};
 use super::triangles::{Of, Triangles};
 use super::wear::Wear;
 use crate::lanes::LANES;
 use crate::topology::{Along, regular_runs, threads};
-use crate::{Fabric, Grid, Particles, Topology};
+use crate::{Fabric, Grid, Particles, Substep, Topology};
 
 /// What was taken apart.
 #[derive(Clone, Debug)]
@@ -108,7 +109,7 @@ impl Patch {
     /// Number of constraints, `of_cell` in each cell.
     pub fn count(&self, of_cell: usize, bends_weft: bool, bends_warp: bool) -> usize {
         let mut count = self.cells.count() * of_cell;
-        count += self.triangles.as_ref().map_or(0, |triangles| triangles.count(Of::All))
+        count += self.triangles.as_ref().map_or(0, |triangles| triangles.count())
             + self.hinges.as_ref().map_or(0, Hinges::count);
         for (along, bends) in [(Along::Weft, bends_weft), (Along::Warp, bends_warp)] {
             for [links, across] in self.listed(along).blocks.iter().map(Listed::count) {
@@ -118,40 +119,59 @@ impl Patch {
         count
     }
 
-    /// Solves once what belongs to no thread.
+    /// Solves once what belongs to no thread, as constraints, in a substep of that [`Substep::square`].
     #[inline(always)]
     pub fn solve_loose<S: Simd>(
         &mut self,
         simd: S,
         particles: &mut Particles,
         grid: &Grid,
-        model: CellModel<'_>,
-        h: f32,
+        model: CellModel,
+        square: f32,
     ) {
         self.cells.solve(simd, particles, grid, model);
         if let Some(hinges) = &self.hinges {
-            hinges.solve(simd, particles, h);
+            hinges.solve(simd, particles, square);
         }
         if let Some(triangles) = &mut self.triangles {
-            triangles.solve(simd, particles, h, Of::All);
+            triangles.solve(simd, particles, square, Of::All);
         }
     }
 
-    /// Solves the listed threads; their largest load.
+    /// The same as it pulls where the substep begins; `model` for the longest one.
     #[inline(always)]
-    pub fn solve<S: Simd>(
+    pub fn push_loose<S: Simd>(
+        &mut self,
+        simd: S,
+        particles: &mut Particles,
+        grid: &Grid,
+        model: CellModel,
+        sub: &Substep,
+    ) {
+        self.cells.push(simd, particles, grid, model, sub.share());
+        if let Some(hinges) = &self.hinges {
+            hinges.push(simd, particles, sub);
+        }
+        if let Some(triangles) = &mut self.triangles {
+            triangles.solve(simd, particles, sub.square(), Of::AllFromStart);
+        }
+    }
+
+    /// A pass over the stretch of the listed threads.
+    #[inline(always)]
+    pub fn solve<S: Simd, const FIRST: bool>(
         &mut self,
         simd: S,
         along: Along,
         particles: &mut Particles,
         stiffness: Stiffness,
         work: &mut Work,
-    ) -> f32 {
-        let mut load = 0.0_f32;
+    ) -> Met<S> {
+        let mut met = Met::nothing(simd);
         for block in &mut self.listed_mut(along).blocks {
-            load = load.max(largest(block.solve(simd, particles, stiffness, work)));
+            met = met.and(block.solve::<S, FIRST>(simd, particles, stiffness, work));
         }
-        load
+        met
     }
 
     /// The same constraints swept; rigidly without `stiffness`.
@@ -170,19 +190,18 @@ impl Patch {
         }
     }
 
-    /// Waves across the listed threads made implicit, and their loads recorded.
+    /// Waves across the listed threads slowed: see [`super::lines::filter`].
     #[inline(always)]
-    pub fn soften<S: Simd>(
+    pub fn filter<S: Simd>(
         &self,
         simd: S,
         along: Along,
         particles: &mut Particles,
         spacing: f32,
-        scale: f32,
         work: &mut Work,
     ) {
         for block in &self.listed(along).blocks {
-            block.soften(simd, particles, spacing, scale, work);
+            block.filter(simd, particles, spacing, work);
         }
     }
 }

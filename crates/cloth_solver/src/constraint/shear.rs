@@ -6,7 +6,9 @@
 //!
 //! Swept as a constraint, no cell gets stiffer than m/h²: a cotton sheet of 64 × 64 particles would lose three quarters of
 //! its shear stiffness at 600 substeps a second. As a plain force it would explode. Here the stress is smoothed just so far
-//! that no wave of it is too fast for the substep: `(1 − c h² G/σ ∂_x²)⁻¹ (1 − c h² G/σ ∂_y²)⁻¹`, tridiagonal along each line.
+//! that no wave of it is too fast for the substep: `(1 − c h² G/σ ∂_x²)⁻¹` along rows, between two times `(1 − ½ c h² G/σ ∂_y²)⁻¹` along
+//! columns, tridiagonal along each line. The whole is symmetric; in rows and then columns alone it would not be where these do not
+//! end alike, at corners and pins, and would feed energy into leather that hangs by its corners.
 //! What changes slowly from cell to cell keeps its full stiffness, and the finer the step the less is smoothed; with
 //! ω² h² ≤ 1/c the step is stable. The smoothed stress is still a force pair for each cell, from a potential: it keeps linear
 //! and angular momentum, and energy as symplectic Euler does.
@@ -89,7 +91,8 @@ impl Stress {
         }
     }
 
-    /// Finds the stress of every cell where the substep of length `h` begins.
+    /// Finds the stress of every cell where a substep begins, smoothed for substeps of length `h`. That must not change with every
+    /// substep: what is stiffer at one time and softer at another takes up energy and gives back more.
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, sheet: Sheet<'_>, position: &Soa3, inverse_mass: &[f32], h: f32) {
         let Sheet { grid, mask, shear, density } = sheet;
@@ -117,18 +120,25 @@ impl Stress {
         }
         // Half, for the mean of two particles; times the mass of a cell, so that an inner particle has mobility 1.
         let cell = 0.5 * density * a * b * share;
-        for base in (0..columns - 1).step_by(LANES) {
-            let mobility = (inverse_mass, &inverse_mass[1..], down * cell);
-            smooth(simd, (&mut self.lambda, base, stride, rows - 1), mobility, &mut self.upper);
-        }
+        self.smooth_columns(simd, grid, inverse_mass, 0.5 * down * cell);
         let of_cells = Rows { rows: rows - 1, stride };
         for first in (0..rows - 1).step_by(LANES) {
-            lines::gather_rows(simd, &self.lambda, &mut self.rows, of_cells, first);
-            lines::gather_rows(simd, inverse_mass, &mut self.rows_above, of_cells, first);
-            lines::gather_rows(simd, &inverse_mass[stride..], &mut self.rows_below, of_cells, first);
+            lines::gather_rows(simd, &self.lambda, &mut self.rows, 0, of_cells, first);
+            lines::gather_rows(simd, inverse_mass, &mut self.rows_above, 0, of_cells, first);
+            lines::gather_rows(simd, &inverse_mass[stride..], &mut self.rows_below, 0, of_cells, first);
             let mobility = (self.rows_above.as_slice(), self.rows_below.as_slice(), along * cell);
             smooth(simd, (&mut self.rows, 0, LANES, columns - 1), mobility, &mut self.upper);
-            lines::scatter_rows(simd, &self.rows, &mut self.lambda, of_cells, first);
+            lines::scatter_rows(simd, &self.rows, 0, &mut self.lambda, of_cells, first);
+        }
+        self.smooth_columns(simd, grid, inverse_mass, 0.5 * down * cell);
+    }
+
+    #[inline(always)]
+    fn smooth_columns<S: Simd>(&mut self, simd: S, grid: &Grid, inverse_mass: &[f32], scale: f32) {
+        let (columns, rows, stride) = (grid.columns as usize, grid.rows as usize, grid.stride as usize);
+        for base in (0..columns - 1).step_by(LANES) {
+            let mobility = (inverse_mass, &inverse_mass[1..], scale);
+            smooth(simd, (&mut self.lambda, base, stride, rows - 1), mobility, &mut self.upper);
         }
     }
 }

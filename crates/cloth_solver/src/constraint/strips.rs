@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Packed, gather4, pack, scatter4, unpack};
-use super::lines::calm;
+use super::lines::{Met, calm};
 use super::tension::Tensions;
 use super::wear::{GONE, Wear};
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
@@ -19,12 +19,6 @@ use crate::{Fabric, Particles, Soa3, Topology};
 
 /// How many triangles apart in a strip two triangles with a common particle may be.
 const REACH: usize = 5;
-
-/// T h²/(m l) that a particle under a lasting load is given the inertia for: see [`crate::method::xpbd`].
-const STATIC_LOAD: f32 = 0.25;
-
-/// A link with less than this T h²/(m l) asks for no inertia, even where a dozen meet.
-const NO_LOAD: f32 = 0.02;
 
 /// Least part of a pivot that elimination may leave: what is less is rounding. Between pinned particles the constraints of very
 /// stiff fabric depend on one another.
@@ -59,10 +53,12 @@ struct Eight {
     links: Vec<Link>,
     /// The furthest that links of these strips are coupled.
     band: usize,
+    /// The multipliers of the substep so far, and what the first pass leaves for later ones.
     lambda: Vec<f32>,
+    work: Work,
 }
 
-/// What the factorisation keeps for the way back, eight lanes each.
+/// What the factorisation keeps for the way back and for later passes, eight lanes each.
 #[derive(Clone, Debug, Default)]
 struct Work {
     pull: Soa3,
@@ -71,14 +67,15 @@ struct Work {
     /// 1/pivot.
     inverse: Vec<f32>,
     right: Vec<f32>,
-    lambda: Vec<f32>,
+    /// The multipliers of the pass.
+    delta: Vec<f32>,
 }
 
 impl Work {
     fn new(longest: usize) -> Self {
         let numbers = || vec![0.0; (longest + 2 * REACH) * LANES];
         let factor = vec![0.0; (longest + 2 * REACH) * REACH * LANES];
-        Self { pull: Soa3::zeros(numbers().len()), factor, inverse: numbers(), right: numbers(), lambda: numbers() }
+        Self { pull: Soa3::zeros(numbers().len()), factor, inverse: numbers(), right: numbers(), delta: numbers() }
     }
 }
 
@@ -89,7 +86,6 @@ pub(super) struct Strips {
     /// Y, N/m.
     stiffness: f32,
     eights: Vec<Eight>,
-    work: Work,
 }
 
 impl Strips {
@@ -111,9 +107,7 @@ impl Strips {
             }
             eight
         });
-        let eights: Vec<Eight> = eights.collect();
-        let longest = eights.iter().map(|eight| eight.links.len()).max().unwrap_or_default();
-        Self { along, stiffness, eights, work: Work::new(longest) }
+        Self { along, stiffness, eights: eights.collect() }
     }
 
     /// Takes over what became of the particles; `None` makes all as good as new.
@@ -132,10 +126,10 @@ impl Strips {
         self.eights.iter().flat_map(|eight| &eight.links).flat_map(|link| link.triangle).filter(|t| *t != NONE).count()
     }
 
-    /// Adds the tensions in the last solve of a substep of length `h`, weighed by area and by how much of it a particle feels:
+    /// Adds the tensions in the last substep, of that [`crate::Substep::square`], weighed by area and by how much of it a particle feels:
     /// of strips beside one another the one solved first carries more than its share, and only what both carry is the tension
     /// of the thread between them.
-    pub fn add_tensions(&self, h: f32, to: &mut Tensions) {
+    pub fn add_tensions(&self, square: f32, to: &mut Tensions) {
         for eight in &self.eights {
             for (k, link) in eight.links.iter().enumerate() {
                 for lane in (0..LANES).filter(|lane| link.triangle[*lane] != NONE) {
@@ -144,7 +138,7 @@ impl Strips {
                     let lambda = eight.lambda[k * LANES + lane];
                     for (corner, coefficient) in link.corners.iter().zip(&link.coefficient) {
                         let felt = coefficient[lane].abs();
-                        to.add(self.along, corner[lane], felt * -lambda / (h * h), felt * area);
+                        to.add(self.along, corner[lane], felt * -lambda / square, felt * area);
                     }
                 }
             }
@@ -182,7 +176,7 @@ impl Eight {
             worn: [[1.0; LANES]; 2],
             triangle: [NONE; LANES],
         };
-        Self { links: vec![link; count], band: 0, lambda: vec![0.0; count * LANES] }
+        Self { links: vec![link; count], band: 0, lambda: vec![0.0; count * LANES], work: Work::new(count) }
     }
 
     fn add(&mut self, topology: &Topology, along: Along, lane: usize, strip: &[u32], compliance: impl Fn(u32) -> f32) {
@@ -217,14 +211,15 @@ impl Eight {
         }
     }
 
-    /// With factors in a band of `BAND` beside the diagonal.
+    /// A pass with factors in a band of `BAND` beside the diagonal: see [`super::lines::stretch`].
     #[inline(always)]
-    fn solve<S: Simd, const BAND: usize>(&mut self, simd: S, packs: &mut Packs, h: f32, work: &mut Work) {
-        let Packs { position, moved, load: inertia } = packs;
+    fn solve<S: Simd, const BAND: usize, const FIRST: bool>(&mut self, simd: S, packs: &mut Packs, square: f32) -> Met<S> {
+        let Packs { position, moved } = packs;
+        let Self { links, work, lambda: multipliers, .. } = self;
         let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
-        let per_step = splat(simd, 1.0 / (h * h));
-        let count = self.links.len();
-        for (k, link) in self.links.iter().enumerate() {
+        let per_step = splat(simd, 1.0 / square);
+        let mut met = Met::nothing(simd);
+        for (k, link) in links.iter().enumerate() {
             // What is kept of link k stands behind that of `REACH` links that are none.
             let at = k + REACH;
             let [a, b, c] = &link.corners;
@@ -239,84 +234,82 @@ impl Eight {
             let ((by_a, w_a), (by_b, w_b), (by_c, w_c)) =
                 (gather4(simd, moved, a), gather4(simd, moved, b), gather4(simd, moved, c));
             let before = (x_b - x_a) * coefficient[1] + (x_c - x_a) * coefficient[2];
-            let f = before + (by_b - by_a) * coefficient[1] + (by_c - by_a) * coefficient[2];
+            let turn = (by_b - by_a) * coefficient[1] + (by_c - by_a) * coefficient[2];
+            let f = before + turn;
             let length = f.length();
-            let normal = f * (one / length.max(tiny));
-            let before = before * (one / before.length().max(tiny));
+            met.change = met.change.max(turn.dot(turn));
             let rest = f32x8::simd_from(simd, link.worn[1]);
-            let own = [
-                w_a * coefficient[0] * coefficient[0],
-                w_b * coefficient[1] * coefficient[1],
-                w_c * coefficient[2] * coefficient[2],
-            ];
-            // Twice, for the triangle on the other side of the thread.
-            let load_ratio = load(simd, &self.lambda, k * LANES) * own[0].max(own[1]).max(own[2]) * splat(simd, -2.0);
-            let share = calm(simd, load_ratio, length - rest, one - before.dot(normal));
-            let pull = normal + (before - normal) * share;
-            // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
             let compliance = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
-            let mut pivot = (own[0] + own[1] + own[2]) * pull.dot(pull) + compliance;
-            let least = pivot * splat(simd, SINGULAR);
             let mut right = rest - length;
-            let mut u = [zero; REACH];
-            for j in (1..=BAND).rev() {
-                let [of_a, of_b, of_c] = &link.coupling[j - 1];
-                let shared = w_a * f32x8::simd_from(simd, *of_a)
-                    + w_b * f32x8::simd_from(simd, *of_b)
-                    + w_c * f32x8::simd_from(simd, *of_c);
-                u[j - 1] = shared * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
-                for i in j + 1..=BAND {
-                    let factor = load(simd, &work.factor, ((at - j) * REACH + i - j - 1) * LANES);
-                    u[j - 1] -= u[i - 1] * factor;
+            if FIRST {
+                let normal = f * (one / length.max(tiny));
+                let had = before.length();
+                let before = before * (one / had.max(tiny));
+                let share = calm(simd, one - before.dot(normal));
+                let share = had.simd_gt(splat(simd, 1e-6)).select(share, zero);
+                let pull = normal + (before - normal) * share;
+                let own = w_a * coefficient[0] * coefficient[0]
+                    + w_b * coefficient[1] * coefficient[1]
+                    + w_c * coefficient[2] * coefficient[2];
+                // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
+                let mut pivot = own * pull.dot(pull) + compliance;
+                let least = pivot * splat(simd, SINGULAR);
+                let mut u = [zero; REACH];
+                for j in (1..=BAND).rev() {
+                    let [of_a, of_b, of_c] = &link.coupling[j - 1];
+                    let shared = w_a * f32x8::simd_from(simd, *of_a)
+                        + w_b * f32x8::simd_from(simd, *of_b)
+                        + w_c * f32x8::simd_from(simd, *of_c);
+                    u[j - 1] = shared * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
+                    for i in j + 1..=BAND {
+                        let factor = load(simd, &work.factor, ((at - j) * REACH + i - j - 1) * LANES);
+                        u[j - 1] -= u[i - 1] * factor;
+                    }
                 }
+                for j in 1..=BAND {
+                    let factor = u[j - 1] * load(simd, &work.inverse, (at - j) * LANES);
+                    pivot -= u[j - 1] * factor;
+                    store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
+                }
+                pull.store(&mut work.pull, at * LANES);
+                store(one / pivot.max(least), &mut work.inverse, at * LANES);
+            } else {
+                right -= compliance * load(simd, multipliers, k * LANES);
+                // See [`super::lines::stretch`].
+                let turned = f.dot(Vec3x8::load(simd, &work.pull, at * LANES)).simd_lt(length * splat(simd, 0.5));
+                right = turned.select(zero, right);
             }
             for j in 1..=BAND {
-                let factor = u[j - 1] * load(simd, &work.inverse, (at - j) * LANES);
-                pivot -= u[j - 1] * factor;
+                let factor = load(simd, &work.factor, (at * REACH + j - 1) * LANES);
                 right -= factor * load(simd, &work.right, (at - j) * LANES);
-                store(factor, &mut work.factor, (at * REACH + j - 1) * LANES);
             }
-            pull.store(&mut work.pull, at * LANES);
-            store(one / pivot.max(least), &mut work.inverse, at * LANES);
             store(right, &mut work.right, at * LANES);
         }
-        // Nor does anything follow on the last link.
-        work.factor[(count + REACH) * REACH * LANES..(count + 2 * REACH) * REACH * LANES].fill(0.0);
-        work.lambda[(count + REACH) * LANES..(count + 2 * REACH) * LANES].fill(0.0);
-        let mut largest = zero;
-        for (k, link) in self.links.iter().enumerate().rev() {
+        for (k, link) in links.iter().enumerate().rev() {
             let at = k + REACH;
-            let mut lambda = load(simd, &work.right, at * LANES) * load(simd, &work.inverse, at * LANES);
+            let mut delta = load(simd, &work.right, at * LANES) * load(simd, &work.inverse, at * LANES);
             for j in 1..=BAND {
                 let factor = load(simd, &work.factor, ((at + j) * REACH + j - 1) * LANES);
-                lambda -= factor * load(simd, &work.lambda, (at + j) * LANES);
+                delta -= factor * load(simd, &work.delta, (at + j) * LANES);
             }
-            store(lambda, &mut work.lambda, at * LANES);
-            store(lambda, &mut self.lambda, k * LANES);
-            let push = Vec3x8::load(simd, &work.pull, at * LANES) * lambda;
+            store(delta, &mut work.delta, at * LANES);
+            let lambda = if FIRST { delta } else { load(simd, multipliers, k * LANES) + delta };
+            store(lambda, multipliers, k * LANES);
+            let push = Vec3x8::load(simd, &work.pull, at * LANES) * delta;
             for i in 0..3 {
                 let coefficient = f32x8::simd_from(simd, link.coefficient[i]);
                 let (by, w) = gather4(simd, moved, &link.corners[i]);
                 let weight = w * coefficient;
                 scatter4(by + push * weight, w, moved, &link.corners[i]);
-                largest = largest.max(zero - lambda * weight * coefficient);
-            }
-        }
-        if largest.reduce_max() > NO_LOAD {
-            self.record_load(inertia);
-        }
-    }
-
-    /// Adds the inertia that the loads ask for.
-    fn record_load(&self, inertia: &mut [f32]) {
-        for (k, link) in self.links.iter().enumerate() {
-            for lane in 0..LANES {
-                let tension = (-self.lambda[k * LANES + lane]).max(0.0) * (0.5 / STATIC_LOAD);
-                for (corners, coefficient) in link.corners.iter().zip(&link.coefficient) {
-                    inertia[corners[lane] as usize] += tension * coefficient[lane] * coefficient[lane];
+                let weight = weight * coefficient;
+                // Twice, for the triangle on the other side of the thread.
+                met.load = met.load.max(lambda * weight * splat(simd, -2.0));
+                if !FIRST {
+                    met.left = met.left.max((delta * weight).abs());
                 }
             }
         }
+        met
     }
 }
 
@@ -327,32 +320,39 @@ pub(super) struct Packs {
     position: Vec<Packed>,
     /// Moves and inverse masses.
     moved: Vec<Packed>,
-    load: Vec<f32>,
 }
 
 impl Packs {
     /// For that many slots.
     pub fn new(slots: usize) -> Self {
         let [position, moved] = [(); 2].map(|()| vec![[0.0; 4]; slots]);
-        Self { position, moved, load: Vec::new() }
+        Self { position, moved }
     }
 
-    /// Solves every strip of `all` once.
-    #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, all: &mut [Strips], h: f32) {
+    /// Takes the particles over.
+    pub fn take(&mut self, particles: &Particles) {
         pack(&particles.position, &particles.inverse_mass, &mut self.position);
         pack(&particles.moved, &particles.inverse_mass, &mut self.moved);
-        std::mem::swap(&mut self.load, &mut particles.load);
-        for Strips { eights, work, .. } in all {
+    }
+
+    /// Gives back how they move.
+    pub fn give(&self, particles: &mut Particles) {
+        unpack(&self.moved, &mut particles.moved);
+    }
+
+    /// A pass over every strip of `all`, in a substep of that [`crate::Substep::square`].
+    #[inline(always)]
+    pub fn solve<S: Simd, const FIRST: bool>(&mut self, simd: S, all: &mut [Strips], square: f32) -> Met<S> {
+        let mut met = Met::nothing(simd);
+        for Strips { eights, .. } in all {
             for eight in eights {
-                if eight.band <= NARROW {
-                    eight.solve::<S, NARROW>(simd, self, h, work);
+                met = met.and(if eight.band <= NARROW {
+                    eight.solve::<S, NARROW, FIRST>(simd, self, square)
                 } else {
-                    eight.solve::<S, REACH>(simd, self, h, work);
-                }
+                    eight.solve::<S, REACH, FIRST>(simd, self, square)
+                });
             }
         }
-        std::mem::swap(&mut self.load, &mut particles.load);
-        unpack(&self.moved, &mut particles.moved);
+        met
     }
 }

@@ -53,23 +53,25 @@ impl Tensions {
 }
 
 impl Constraints {
-    /// Finds the tension at each slot at the end of a substep of length `h`, s. From the multipliers where the method keeps
+    /// Finds the tension at each slot at the end of the last substep. From the multipliers where the method keeps
     /// them, else from the strains.
-    pub(crate) fn tensions(&mut self, topology: &Topology, particles: &Particles, h: f32, to: &mut Tensions) {
+    pub(crate) fn tensions(&mut self, topology: &Topology, particles: &Particles, to: &mut Tensions) {
         to.clear(topology.slots());
+        // Before the first substep there are no multipliers.
+        let square = if self.square > 0.0 { self.square } else { 1.0 };
         match (&mut self.surface, self.method) {
             (Surface::Grid(grid), Method::XpbdLines) => {
                 let spacing = grid.grid.spacing;
                 for (along, across) in [(Along::Weft, spacing.y), (Along::Warp, spacing.x)] {
-                    let scale = -1.0 / (h * h * across);
+                    let scale = -1.0 / (square * across);
                     dispatch!(*LEVEL, simd => grid.add_tensions(simd, along, scale, to.of(along)));
                 }
                 if let Some(triangles) = grid.patch.as_mut().and_then(|patch| patch.triangles_mut()) {
-                    triangles.add_tensions(h, to);
+                    triangles.add_tensions(square, to);
                 }
             }
             (Surface::Mesh(mesh), method) if !method.steps_forces() && method != Method::Pbd => {
-                mesh.add_tensions(h, to);
+                mesh.add_tensions(square, to);
             }
             (Surface::Grid(_) | Surface::Mesh(_), _) => self.strains(topology, particles, to),
             (Surface::Empty, _) => {}
@@ -110,7 +112,7 @@ mod tests {
         let pin = |particle: u32| Pin { particle, frame: 0, local: rest(particle) };
         let pins = Pins { frames: vec![Motion::default()], pins: row(1.0).map(pin).collect() };
         cloth.constraints.set_pins(&mut cloth.particles, pins).expect("particles");
-        let tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+        let tick = Tick::new(1.0 / 60.0);
         for _ in 0..240 {
             cloth.particles.force = None;
             for slot in row(0.0) {
@@ -120,7 +122,7 @@ mod tests {
             cloth.step(tick, Vec3::ZERO);
         }
         let mut found = Tensions::default();
-        cloth.constraints.tensions(&topology, &cloth.particles, tick.dt / 10.0, &mut found);
+        cloth.constraints.tensions(&topology, &cloth.particles, &mut found);
         let warp = found.along()[1];
         let inner = topology.particles().filter(|slot| rest(*slot).cmpgt(Vec3::splat(0.2)).bitmask() & 3 == 3);
         let inner: Vec<u32> = inner.filter(|slot| rest(*slot).truncate().max_element() < 0.8).collect();

@@ -8,19 +8,20 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Batches, gather, gather3, scatter3};
+use super::lines::calm;
 use super::tension::Tensions;
 use super::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, splat};
 use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
 
-/// Which of the constraints of a triangle.
+/// Along which directions triangles are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Of {
-    /// Stretch and shear.
+    /// Where the substep ends.
     All,
-    /// Shear alone: [`super::strips`] see to stretch.
-    Shear,
+    /// Where the substep begins, which turns nothing as a whole.
+    AllFromStart,
 }
 
 /// The triangles of a mesh, eight at a time.
@@ -64,8 +65,8 @@ impl Triangles {
     }
 
     /// Number of constraints.
-    pub fn count(&self, of: Of) -> usize {
-        let each = usize::from(self.shear > 0.0) + if of == Of::All { 2 } else { 0 };
+    pub fn count(&self) -> usize {
+        let each = usize::from(self.shear > 0.0) + 2;
         self.batches.source.iter().flatten().flatten().count() * each
     }
 
@@ -95,9 +96,9 @@ impl Triangles {
         self.lambda.is_some()
     }
 
-    /// Adds the tensions in the last solve of a substep of length `h`, weighed by area. From the second call on: the first
+    /// Adds the tensions in the last substep, of that [`crate::Substep::square`], weighed by area. From the second call on: the first
     /// lets the multipliers be kept.
-    pub fn add_tensions(&mut self, h: f32, to: &mut Tensions) {
+    pub fn add_tensions(&mut self, square: f32, to: &mut Tensions) {
         self.watch();
         for (g, group) in self.batches.groups.iter().enumerate() {
             for lane in (0..LANES).filter(|lane| self.batches.source[g][*lane].is_some()) {
@@ -107,22 +108,19 @@ impl Triangles {
                 {
                     for corner in group {
                         // Tension times area is −λ/h²: the area cancels out.
-                        to.add(along, corner[lane], -lambda[lane] / (h * h), area);
+                        to.add(along, corner[lane], -lambda[lane] / square, area);
                     }
                 }
             }
         }
     }
 
-    /// Solves every triangle once.
+    /// Solves every triangle once, in a substep of that [`crate::Substep::square`].
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32, of: Of) {
-        if of == Of::Shear && self.shear <= 0.0 {
-            return;
-        }
-        let weft = splat(simd, 1.0 / (self.stretch_weft * h * h));
-        let warp = splat(simd, 1.0 / (self.stretch_warp * h * h));
-        let shear = splat(simd, 1.0 / (self.shear * h * h));
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, square: f32, of: Of) {
+        let weft = splat(simd, 1.0 / (self.stretch_weft * square));
+        let warp = splat(simd, 1.0 / (self.stretch_warp * square));
+        let shear = splat(simd, 1.0 / (self.shear * square));
         for (g, group) in self.batches.groups.iter().enumerate() {
             // No `map` over arrays here: its closure would be compiled without the instruction set this is dispatched to.
             let [a, b, c] = group;
@@ -133,6 +131,8 @@ impl Triangles {
             let (to_b, to_c) = (gather3(simd, position, b) - origin, gather3(simd, position, c) - origin);
             let moves = [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c)];
             let mut x = [moves[0], to_b + moves[1], to_c + moves[2]];
+            let from_start = of == Of::AllFromStart;
+            let start = [origin - origin, to_b, to_c];
             // Pushes are summed up apart: taken from the places, they would be rounded as these are, and momentum with them.
             let mut pushed = [Vec3x8::splat(simd, glam::Vec3::ZERO); 3];
             let [m0, m1, m2, m3] = self.inverse_rest[g];
@@ -148,15 +148,15 @@ impl Triangles {
                 inverse_area *= f32x8::simd_from(simd, compliance[g]);
                 rest = f32x8::simd_from(simd, rest_factor[g]);
             }
-            if of == Of::All {
-                let pull_weft = length(simd, &mut x, &mut pushed, &w, [m[0], m[1]], weft * inverse_area, rest);
-                let pull_warp = length(simd, &mut x, &mut pushed, &w, [m[2], m[3]], warp * inverse_area, rest);
-                if let Some(lambda) = &mut self.lambda {
-                    lambda[g] = [pull_weft.into(), pull_warp.into()];
-                }
+            let begun = from_start.then_some(&start);
+            let pull_weft = length(simd, &mut x, begun, &mut pushed, &w, [m[0], m[1]], weft * inverse_area, rest);
+            let pull_warp = length(simd, &mut x, begun, &mut pushed, &w, [m[2], m[3]], warp * inverse_area, rest);
+            if let Some(lambda) = &mut self.lambda {
+                lambda[g] = [pull_weft.into(), pull_warp.into()];
             }
             if self.shear > 0.0 {
-                angle(simd, &x, &mut pushed, &w, m, shear * inverse_area);
+                let at = if from_start { &start } else { &x };
+                angle(simd, &x, at, &mut pushed, &w, m, shear * inverse_area);
             }
             scatter3(moves[0] + pushed[0], moved, a);
             scatter3(moves[1] + pushed[1], moved, b);
@@ -170,6 +170,7 @@ impl Triangles {
 fn length<S: Simd>(
     simd: S,
     x: &mut [Vec3x8<S>; 3],
+    start: Option<&[Vec3x8<S>; 3]>,
     pushed: &mut [Vec3x8<S>; 3],
     w: &[f32x8<S>; 3],
     m: [f32x8<S>; 2],
@@ -179,7 +180,15 @@ fn length<S: Simd>(
     let tiny = splat(simd, f32::MIN_POSITIVE);
     let f = (x[1] - x[0]) * m[0] + (x[2] - x[0]) * m[1];
     let size = f.length();
-    let direction = f * (splat(simd, 1.0) / size.max(tiny));
+    let mut direction = f * (splat(simd, 1.0) / size.max(tiny));
+    if let Some(start) = start {
+        let f = (start[1] - start[0]) * m[0] + (start[2] - start[0]) * m[1];
+        let size = f.length();
+        let had = f * (splat(simd, 1.0) / size.max(tiny));
+        let share = calm(simd, splat(simd, 1.0) - had.dot(direction));
+        let share = size.simd_gt(splat(simd, 1e-6)).select(share, splat(simd, 0.0));
+        direction = direction + (had - direction) * share;
+    }
     let m_0 = -(m[0] + m[1]);
     let weight = w[0] * m_0 * m_0 + w[1] * m[0] * m[0] + w[2] * m[1] * m[1] + compliance;
     let lambda = (rest - size) / weight.max(tiny);
@@ -192,17 +201,19 @@ fn length<S: Simd>(
     lambda
 }
 
-/// `(e1·m0 + e2·m1) · (e1·m2 + e2·m3) = 0`.
+/// `(e1·m0 + e2·m1) · (e1·m2 + e2·m3) = 0` for corners at `x`, along the gradient where they are `at`.
 #[inline(always)]
 fn angle<S: Simd>(
     simd: S,
     x: &[Vec3x8<S>; 3],
+    at: &[Vec3x8<S>; 3],
     pushed: &mut [Vec3x8<S>; 3],
     w: &[f32x8<S>; 3],
     m: [f32x8<S>; 4],
     compliance: f32x8<S>,
 ) {
-    let (value, gradient) = shear_gradient(*x, m);
+    let (value, _) = shear_gradient(*x, m);
+    let (_, gradient) = shear_gradient(*at, m);
     // Without compliance a lane that is left over has no weight at all.
     let lambda = -value / (weight(w, &gradient) + compliance).max(splat(simd, f32::MIN_POSITIVE));
     for i in 0..3 {
@@ -212,7 +223,7 @@ fn angle<S: Simd>(
 
 /// `f_u · f_v` and its gradients.
 #[inline(always)]
-fn shear_gradient<S: Simd>(x: [Vec3x8<S>; 3], m: [f32x8<S>; 4]) -> (f32x8<S>, [Vec3x8<S>; 3]) {
+pub(super) fn shear_gradient<S: Simd>(x: [Vec3x8<S>; 3], m: [f32x8<S>; 4]) -> (f32x8<S>, [Vec3x8<S>; 3]) {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
     let (u, v) = (e1 * m[0] + e2 * m[1], e1 * m[2] + e2 * m[3]);
     let g1 = v * m[0] + u * m[2];

@@ -15,8 +15,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
-use crate::cloth::Substep;
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
+use crate::tick::Substep;
 use crate::{Fabric, Motion, Particles, Soa3, Topology};
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
@@ -36,6 +36,8 @@ pub struct Collider {
 pub struct Contacts {
     /// Distance kept between a particle and a collider's surface, m; see [`Contacts::offset_for`].
     pub offset: f32,
+    /// Mean edge length of the cloth, m: see [`Contacts::least_substeps`]. 0 if not known.
+    pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
     pub colliders: Vec<Collider>,
     /// Contacts between a particle and a collider in the last substep.
@@ -48,19 +50,38 @@ pub struct Contacts {
 /// put over. What enters during a substep is put back at once.
 pub const DEPENETRATION_SPEED: f32 = 3.0;
 
-/// How far, in offsets, a particle may sink in a substep before contact puts it back: a particle pressed harder gets the
-/// inertia that it takes (see [`crate::method::xpbd`]). Constraints do not know of contact, so without it a particle
-/// that bears the weight of its neighbours is drawn in by N h²/m in each substep and its edges stretch by that much.
+/// How far, in offsets, a particle may be below the surface where a substep begins and count as outside.
 const RESOLVED_SINK: f32 = 0.1;
 
 impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
     /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).
     pub fn offset_for(topology: &Topology, fabric: &Fabric) -> f32 {
-        let total: f32 =
-            topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize])).sum();
-        let mean = total / topology.edges.len().max(1) as f32;
-        (fabric.thickness / 2.0).max(mean / 8.0)
+        (fabric.thickness / 2.0).max(mean_edge(topology) / 8.0)
+    }
+
+    /// Of a cloth of `fabric` over `topology`; no colliders.
+    pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
+        Self { offset: Self::offset_for(topology, fabric), edge: mean_edge(topology), ..Self::default() }
+    }
+
+    /// The least number of substeps of a tick in which no collider near the particles moves farther than a quarter of an edge in
+    /// one: what it strikes is then pulled along from edge to edge, and not torn out.
+    pub fn least_substeps(&self, particles: &Particles) -> f32 {
+        if self.edge <= 0.0 || self.colliders.iter().all(|collider| collider.motion.from == collider.motion.to) {
+            return 1.0;
+        }
+        let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
+        let moves = self.colliders.iter().map(|Collider { shape, motion: Motion { from, to }, .. }| {
+            let radius = shape.bounding_radius();
+            let turn = from.rotation.angle_between(to.rotation);
+            // A plane turns about what of it is near the cloth.
+            let arm = if radius.is_finite() { radius } else { from.position.distance(0.5 * (low + high)) };
+            let distance = from.position.distance(to.position) + turn * arm;
+            let away = from.position - from.position.clamp(low, high);
+            if away.length() > radius + self.offset + distance { 0.0 } else { distance }
+        });
+        4.0 * moves.fold(0.0, f32::max) / self.edge
     }
 
     /// Whether a particle at `point` touches a collider where that stands at the end of the tick: nearer than a tenth beyond the
@@ -77,6 +98,11 @@ impl Contacts {
         self.colliders.clear();
         self.colliders.extend(colliders);
     }
+}
+
+fn mean_edge(topology: &Topology) -> f32 {
+    let lengths = topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]));
+    lengths.sum::<f32>() / topology.edges.len().max(1) as f32
 }
 
 /// One substep's worth of contact with every collider, in their order.

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
 use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
-use crate::lanes::{Frame, LANES, Vec3x8, load, splat, store};
+use crate::lanes::{Frame, LANES, Vec3x8, load, splat};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
@@ -26,7 +26,7 @@ pub(super) fn respond<S: Simd>(
     offset: f32,
     h: f32,
 ) -> Found {
-    let Particles { position, previous, velocity, inverse_mass, load: inertia, .. } = particles;
+    let Particles { position, previous, velocity, inverse_mass, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
     let reach = collider.shape.bounding_radius() + offset;
     let (reach_squared, margin, zero) = (splat(simd, reach * reach), splat(simd, offset), splat(simd, 0.0));
@@ -69,9 +69,6 @@ pub(super) fn respond<S: Simd>(
         let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero);
         let still = Vec3x8 { x: zero, y: zero, z: zero };
         let left = select(buried, still, left) + carried;
-        let w = load(simd, inverse_mass, i);
-        let pressed = approach / (splat(simd, RESOLVED_SINK * offset) * w);
-        store(load(simd, inertia, i).max(hit.select(pressed, zero)), inertia, i);
         select(hit, placed, x).store(position, i);
         select(hit, left * per_step, Vec3x8::load(simd, velocity, i)).store(velocity, i);
         found.touching += hit.to_bitmask().count_ones();

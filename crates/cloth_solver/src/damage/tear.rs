@@ -130,16 +130,15 @@ impl Tear {
         }
     }
 
-    /// Takes note of the loads at the end of a tick of `dt` s, whose substeps were `h` s long.
+    /// Takes note of the loads at the end of a tick of `dt` s.
     pub fn watch(
         &mut self,
         topology: &Topology,
         particles: &Particles,
         constraints: &mut Constraints,
-        h: f32,
         dt: f32,
     ) {
-        constraints.tensions(topology, particles, h, &mut self.tensions);
+        constraints.tensions(topology, particles, &mut self.tensions);
         let (fresh, farthest) = (dt / (SMOOTHING + dt), self.known * self.known);
         let Soa3 { x, y, z } = &particles.position;
         for (load, sums) in self.load.iter_mut().zip(self.tensions.along()) {

@@ -4,10 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 
-use crate::cloth::Substep;
 use crate::constraint::batch::{gather, gather3};
 use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
-use crate::{ClothError, Grid, Particles, Soa3, Topology};
+use crate::{ClothError, Grid, Particles, Soa3, Substep, Topology};
 
 /// Speed of sound in dry air at 15 °C, m/s. The law holds for air that is not compressed: what is faster pulls no harder.
 const SPEED_OF_SOUND: f32 = 340.0;
@@ -55,18 +54,24 @@ impl Air {
     }
 
     /// Finds the air's force on every particle, in an air that moves as [`WindField::sample`](super::WindField::sample) found
-    /// it in this tick; without it, does nothing. In every second substep: in between the force stays, which adds little to
+    /// it in this tick; without it, does nothing. Five times in a tick at most: in between the force stays, which adds little to
     /// the error of the substeps themselves. The faces of a rectangle are its cells, whose corners share their force evenly, as they do
     /// their mass; those of any other mesh, and of a rectangle that was taken apart, its triangles.
     ///
     /// What a particle gets until the force is found anew never turns its motion against the air round: stable at any wind.
     pub fn blow(&self, topology: &Topology, particles: &mut Particles, sub: &Substep) {
-        let Some(time) = time_of_force(sub) else { return };
         let Some(mut airflow) = particles.airflow.take() else { return };
+        // A thousandth: rounding.
+        if sub.start > 0.0 && sub.start - airflow.found_at < FRESH - 1e-3 {
+            particles.airflow = Some(airflow);
+            return;
+        }
+        airflow.found_at = sub.start;
+        let time = sub.h.max(FRESH * sub.h / (sub.end - sub.start));
         airflow.force.fill(Vec3::ZERO);
         let strength = 0.5 * self.density * (1.0 - self.porosity);
         if strength > 0.0 && time > 0.0 {
-            let Airflow { velocity, force, areal_density } = &mut airflow;
+            let Airflow { velocity, force, areal_density, .. } = &mut airflow;
             let blow = Blow { air: self, strength, particles, velocity, areal_density, rate: 1.0 / time };
             match topology.grid {
                 Some(grid) if topology.weave.is_none() => dispatch!(*LEVEL, simd => blow.on_cells(simd, &grid, force)),
@@ -77,15 +82,10 @@ impl Air {
     }
 }
 
-/// How long a force found at the start of `sub` acts, s; `None` where the one found before still does.
-fn time_of_force(sub: &Substep) -> Option<f32> {
-    let length = sub.end - sub.start;
-    let index = (sub.start / length).round() as u32;
-    let is_last = sub.end + 0.5 * length > 1.0;
-    index.is_multiple_of(2).then_some(if is_last { sub.h } else { 2.0 * sub.h })
-}
+/// The part of a tick after which the force is found anew.
+const FRESH: f32 = 0.2;
 
-/// The air in two substeps.
+/// The air while one force acts.
 #[derive(Clone, Copy)]
 struct Blow<'a> {
     air: &'a Air,
@@ -239,6 +239,8 @@ pub struct Airflow {
     pub force: Soa3,
     /// Mass over area of each slot, kg/m²; infinite without area.
     areal_density: Vec<f32>,
+    /// Where in the tick the force was found.
+    found_at: f32,
 }
 
 impl Airflow {
@@ -246,7 +248,8 @@ impl Airflow {
     pub(super) fn fit(&mut self, topology: &Topology, mass: &[f32]) {
         let slots = mass.len();
         if self.velocity.len() != slots {
-            *self = Self { velocity: Soa3::zeros(slots), force: Soa3::zeros(slots), areal_density: vec![0.0; slots] };
+            let areal_density = vec![0.0; slots];
+            *self = Self { velocity: Soa3::zeros(slots), force: Soa3::zeros(slots), areal_density, found_at: 0.0 };
         }
         for ((density, mass), area) in self.areal_density.iter_mut().zip(mass).zip(&topology.area) {
             *density = if *area > 0.0 { mass / area } else { f32::INFINITY };

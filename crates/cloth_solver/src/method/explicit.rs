@@ -6,8 +6,8 @@
 use glam::Vec3;
 
 use super::Method;
-use crate::cloth::Substep;
 use crate::constraint::Constraints;
+use crate::tick::Substep;
 use crate::{Particles, Soa3};
 
 /// Working memory.

@@ -7,8 +7,8 @@ pub mod xpbd;
 use bevy_reflect::prelude::ReflectDefault;
 
 use crate::Particles;
-use crate::cloth::Substep;
 use crate::constraint::Constraints;
+use crate::tick::{Effort, Substep};
 
 /// How a cloth is advanced in time.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
@@ -65,13 +65,18 @@ impl Method {
         matches!(self, Self::ExplicitEuler | Self::SymplecticEuler | Self::StormerVerlet | Self::RungeKutta4)
     }
 
+    /// Whether it takes as many substeps as load and motion ask for, and not as many as it is told.
+    pub const fn adapts(self) -> bool {
+        matches!(self, Self::XpbdLines)
+    }
+
     /// Whether more than one iteration in a substep changes the result.
     pub const fn iterates(self) -> bool {
         matches!(self, Self::Pbd)
     }
 }
 
-/// First half of a substep: predicts positions from velocities and forces, and moves pinned particles along their frames.
+/// First part of a substep: predicts how the particles move from velocities and forces, and moves pinned ones along their frames.
 pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Substep) {
     if constraints.method().steps_forces() {
         explicit::begin(particles, constraints, sub);
@@ -80,14 +85,21 @@ pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Sub
     }
 }
 
-/// Second half of a substep: the forces inside the cloth, and the velocities at its end.
-pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
+/// Second part: the forces inside the cloth, and what the substep took. Nothing has moved yet: a substep that was too long is
+/// taken again, shorter, from [`integrate`] on.
+pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) -> Effort {
+    if constraints.method().steps_forces() { Effort::default() } else { constraints.solve(particles, sub) }
+}
+
+/// Third part: positions and velocities at the end of the substep.
+pub fn accept(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
     if constraints.method().steps_forces() {
         explicit::step(particles, constraints, sub);
     } else {
-        xpbd::solve(particles, constraints, sub);
+        xpbd::accept(particles, sub);
     }
-    if sub.end == 1.0 {
+    constraints.accept(particles, sub);
+    if sub.is_last() {
         constraints.nudge(particles);
         constraints.damp(particles, sub.h / (sub.end - sub.start));
     }

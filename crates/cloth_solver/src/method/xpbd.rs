@@ -1,83 +1,53 @@
-//! Small-steps XPBD (Macklin et al. 2019): many substeps, one pass over the constraints in each, exact along lines.
+//! Small-steps XPBD (Macklin et al. 2019): many substeps, a few passes over the constraints in each, exact along lines.
 //!
-//! One pass leaves an error of the order of h² F/m wherever two families of constraints, or constraints and contact,
-//! share a load F: that is why plain XPBD stretches a curtain at its hooks. Two measures keep it small and the step
-//! stable at any load and any number of substeps; both leave what is at rest where it belongs:
+//! A pass leaves an error of the order of h² F/m wherever two families of constraints share a load F: that is why plain XPBD
+//! stretches a curtain at its hooks. Further passes go on from its multipliers, until nothing is left to do, and there are as
+//! many substeps as load and motion ask for: see [`crate::tick`].
 //!
-//! - the waves across taut lines are implicit (`lines::soften`);
-//! - a particle under a lasting load that the substep cannot resolve gets the inertia, not the weight, that resolves it
-//!   (selective mass scaling, as explicit finite elements use it), at the same kinetic energy.
+//! Every force within the cloth has no moment about where the substep begins, and positions and velocities leap over each other
+//! (leapfrog; Hairer, Lubich, Wanner 2003): so the whole keeps its momentum to rounding, and its energy as well as the
+//! substeps resolve its motion.
 
 use fearless_simd::{Simd, dispatch};
 
 use crate::Particles;
-use crate::cloth::Substep;
 use crate::constraint::Constraints;
-use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat, store};
+use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
+use crate::tick::Substep;
 use fearless_simd::prelude::*;
 
-/// Predicts positions from velocities and forces, and moves pinned particles along their frames.
+/// Predicts how the particles move from velocities and forces, and moves pinned ones along their frames.
 pub fn integrate(particles: &mut Particles, constraints: &Constraints, sub: &Substep) {
-    dispatch!(*LEVEL, simd => scale_masses(simd, particles));
     constraints.take_hold(particles);
-    dispatch!(*LEVEL, simd => predict(simd, particles, sub.h));
+    dispatch!(*LEVEL, simd => predict(simd, particles, sub));
     constraints.apply_pins(particles, sub);
 }
 
-/// Solves all constraints once and takes velocities from the change of position.
-pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
-    constraints.solve(particles, sub);
+/// Takes positions and velocities from how the particles moved.
+pub fn accept(particles: &mut Particles, sub: &Substep) {
     dispatch!(*LEVEL, simd => take_velocities(simd, particles, sub.h));
 }
 
-/// Most by which a particle's inertia grows from one substep to the next.
-const INERTIA_GROWTH: f32 = 4.0;
-
-/// Least of its inertia that a particle keeps from one substep to the next. Without, the inertia of cloth held at a point
-/// comes and goes with every bounce of the load; with 0.8, cloth that leaves a solid it was put into is thrown.
-const INERTIA_FADE: f32 = 0.6;
-
-/// Gives particles under a load that the substep cannot resolve the inertia it asks for, and takes back what is no
-/// longer needed. Their weight stays: what is at rest stays at rest.
+/// Leapfrog: `Δx = h (v + kick a)` for all that is free.
 #[inline(always)]
-fn scale_masses<S: Simd>(simd: S, particles: &mut Particles) {
-    let Particles { mass, inverse_mass, load: wanted, inertia, velocity, .. } = particles;
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let (growth, fade) = (splat(simd, INERTIA_GROWTH), splat(simd, INERTIA_FADE));
-    for i in groups(mass) {
-        let mass = load(simd, mass, i);
-        let had = load(simd, inertia, i);
-        let m = mass.max(load(simd, wanted, i)).min(had * growth).max(had * fade);
-        store(m, inertia, i);
-        // Neither adds nor takes energy, whether inertia comes or goes: at the old velocity it would pump.
-        let share = mass.simd_gt(zero).select((had / m).sqrt(), zero);
-        (Vec3x8::load(simd, velocity, i) * share).store(velocity, i);
-        let w = one / m;
-        store(mass.simd_gt(zero).select(w, zero), inverse_mass, i);
-    }
-}
-
-/// Symplectic Euler: `v += h a`, `Δx = h v` for all that is free.
-#[inline(always)]
-fn predict<S: Simd>(simd: S, particles: &mut Particles, h: f32) {
+fn predict<S: Simd>(simd: S, particles: &mut Particles, sub: &Substep) {
     let Particles { moved, velocity, mass, inverse_mass, acceleration, force, airflow, .. } = particles;
-    let step = splat(simd, h);
-    let kick = Vec3x8::splat(simd, *acceleration * h);
+    let (step, kick) = (splat(simd, sub.h), splat(simd, sub.kick));
+    let weight = Vec3x8::splat(simd, *acceleration * sub.kick);
     let zero = splat(simd, 0.0);
     for i in groups(inverse_mass) {
         let w = load(simd, inverse_mass, i);
-        // Weight is mass times gravity, inertia may be more than mass: see `scale_masses`.
-        let mut v = Vec3x8::load(simd, velocity, i) + kick * (load(simd, mass, i) * w);
+        // Weight is mass times gravity, inertia may be more than mass: that of a hand.
+        let mut v = Vec3x8::load(simd, velocity, i) + weight * (load(simd, mass, i) * w);
         if let Some(force) = force {
-            v = v + Vec3x8::load(simd, force, i) * (w * step);
+            v = v + Vec3x8::load(simd, force, i) * (w * kick);
         }
         if let Some(airflow) = airflow {
-            v = v + Vec3x8::load(simd, &airflow.force, i) * (w * step);
+            v = v + Vec3x8::load(simd, &airflow.force, i) * (w * kick);
         }
         let free = w.simd_gt(zero);
         let v = Vec3x8 { x: free.select(v.x, zero), y: free.select(v.y, zero), z: free.select(v.z, zero) };
         (v * step).store(moved, i);
-        v.store(velocity, i);
     }
 }
 

@@ -14,7 +14,7 @@ use glam::{Quat, UVec2, Vec2, Vec3};
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// The tick of the default budget.
-pub const TICK: Tick = Tick { dt: 1.0 / 60.0, substeps: 10, iterations: 1 };
+pub const TICK: Tick = Tick::new(1.0 / 60.0);
 
 /// Cotton without internal friction.
 pub const UNDAMPED: Fabric = Fabric { damping: 0.0, ..Fabric::COTTON_POPLIN };

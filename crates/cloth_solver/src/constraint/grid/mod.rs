@@ -5,9 +5,9 @@ mod sweep;
 
 use fearless_simd::{Simd, f32x8};
 
-use super::cells::{CellModel, Cells, ShearModel};
+use super::cells::{CellModel, CellRows, Cells, ShearModel};
 use super::force::Woven;
-use super::lines::{self, Block, Rows};
+use super::lines::{self, Bend, Block, Elimination, Links8, Rows};
 use super::listed::Work;
 use super::patch::Patch;
 use super::shear::Stress;
@@ -16,32 +16,53 @@ use super::tension::Sums;
 use super::wear::{Wear, Worn, WornGrid};
 use crate::lanes::{LANES, load, splat, store};
 use crate::topology::Along;
-use crate::{Fabric, Grid, Particles, Soa3, Topology};
+use crate::{Fabric, Grid, Particles, Soa3, Substep, Topology};
 
-pub(super) use solve::largest;
+pub(super) use solve::{CLOSE, MOST_PASSES, PASSES, QUIET, SETTLED};
 pub(super) use sweep::Sweep;
 
-/// α̃ of the links and bends of runs of one spacing wide, and their spacing.
+/// How runs of one spacing wide resist in a substep, and their spacing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stiffness {
-    /// l/(Y width h²), 1/kg.
+    /// α̃ of the links, l/(Y width kick h), 1/kg.
     pub stretch: f32,
-    /// l³/(D width h²), 1/kg; `None` if the fabric does not resist bending.
-    pub bend: Option<f32>,
+    /// α̃ of the bends, l³/(D width H²), 1/kg, H the longest substep; `None` if the fabric does not resist bending.
+    bend: Option<f32>,
+    /// See [`Bend`].
+    filter: f32,
+    share: f32,
     /// Rest distance between neighbours, m.
     pub spacing: f32,
 }
 
+/// ω² H² of the fastest wave of bending along one direction after filtering, H the longest substep.
+const FASTEST_BENDING: f32 = 0.6;
+
+/// The same of twist.
+const FASTEST_TWIST: f32 = 0.3;
+
 impl Stiffness {
-    /// Of eight runs of one spacing wide.
+    /// α̃ for constraints of runs of one spacing wide.
     #[inline(always)]
     pub fn of_one_spacing<S: Simd>(self, simd: S) -> Compliance<S> {
         #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
         let bend = match self.bend {
-            Some(bend) => Some(splat(simd, bend)),
+            Some(bend) => Some(splat(simd, bend / self.share)),
             None => None,
         };
         Compliance { stretch: splat(simd, self.stretch), bend }
+    }
+
+    /// How runs of that width, in spacings, resist bending.
+    #[inline(always)]
+    pub fn bend<S: Simd>(self, simd: S, width: f32x8<S>) -> Option<Bend<S>> {
+        #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
+        match self.bend {
+            Some(bend) => {
+                Some(Bend { compliance: splat(simd, bend) / width, filter: self.filter, share: self.share })
+            }
+            None => None,
+        }
     }
 }
 
@@ -60,11 +81,38 @@ pub(super) struct GridConstraints {
     /// 1 inside, ½ for the outermost rows and columns, which stand for half the width; per row and per column slot.
     pub row_width: Vec<f32>,
     pub column_width: Vec<f32>,
-    work: Work,
-    /// Multipliers of the links of each block of eight rows or columns.
-    weft_lambda: Vec<f32>,
-    warp_lambda: Vec<f32>,
+    /// The links of each block of eight rows or columns.
+    weft: Links8,
+    warp: Links8,
     stress: Stress,
+    /// Every eight rows in lanes, one block after the other.
+    rows: RowLanes,
+    cell_rows: CellRows,
+    /// For what was taken apart.
+    work: Work,
+    /// Whether the last pass over the rows that was not the first of its substep had next to nothing left to do.
+    settled: bool,
+}
+
+/// Rows in lanes.
+#[derive(Clone, Debug, Default)]
+struct RowLanes {
+    position: Soa3,
+    moved: Soa3,
+    inverse_mass: Vec<f32>,
+    elimination: Elimination,
+}
+
+impl RowLanes {
+    fn new(grid: &Grid) -> Self {
+        let slots = (grid.rows as usize).next_multiple_of(LANES) * grid.stride as usize;
+        Self {
+            position: Soa3::zeros(slots),
+            moved: Soa3::zeros(slots),
+            inverse_mass: vec![0.0; slots],
+            elimination: Elimination::new(grid.columns.max(grid.rows) as usize),
+        }
+    }
 }
 
 impl GridConstraints {
@@ -85,10 +133,13 @@ impl GridConstraints {
             woven: None,
             row_width: widths(rows, rows.next_multiple_of(LANES)),
             column_width: widths(columns, stride),
-            work: Work::new(rows.max(columns)),
-            weft_lambda: vec![0.0; rows.next_multiple_of(LANES) * columns],
-            warp_lambda: vec![0.0; stride * rows],
+            weft: Links8::new(rows.next_multiple_of(LANES) * columns),
+            warp: Links8::new(stride * rows),
             stress: Stress::new(&grid),
+            rows: RowLanes::new(&grid),
+            cell_rows: CellRows::new(stride),
+            work: Work::new(rows.max(columns)),
+            settled: false,
         }
     }
 
@@ -143,8 +194,8 @@ impl GridConstraints {
     /// The links of rows and columns and of what was taken apart: ends, λ of the last substep, N·s², and 1/width in spacings.
     pub fn links(&self, along: Along) -> impl Iterator<Item = ([u32; 2], f32, f32)> + '_ {
         let (runs, count, of, width) = match along {
-            Along::Weft => (self.grid.rows, self.grid.columns, &self.weft_lambda, &self.row_width),
-            Along::Warp => (self.grid.columns, self.grid.rows, &self.warp_lambda, &self.column_width),
+            Along::Weft => (self.grid.rows, self.grid.columns, &self.weft.lambda, &self.row_width),
+            Along::Warp => (self.grid.columns, self.grid.rows, &self.warp.lambda, &self.column_width),
         };
         let grid = self.grid;
         let slot = move |run, k| match along {
@@ -166,27 +217,27 @@ impl GridConstraints {
         let scale = splat(simd, scale);
         match along {
             Along::Weft => {
-                let (rows, block) = (self.rows(), self.row_block());
-                let Work { inverse_mass: weights, load: tensions, .. } = &mut self.work;
+                let rows = self.row_lanes();
+                let Self { rows: RowLanes { moved: Soa3 { x: tensions, y: weights, .. }, .. }, .. } = self;
                 for first in (0..rows.rows).step_by(LANES) {
                     if !is_block(&self.patch, along, first) {
                         continue;
                     }
+                    let block = row_block(&self.grid, first);
                     let width = load(simd, &self.row_width, first);
-                    tensions.fill(0.0);
-                    weights.fill(0.0);
-                    let lambda = multipliers(&mut self.weft_lambda, block, first);
-                    add_to_ends(simd, block, lambda, scale, width, tensions, weights);
-                    lines::scatter_rows(simd, tensions, &mut to.tension, rows, first);
-                    lines::scatter_rows(simd, weights, &mut to.weight, rows, first);
+                    for numbers in [&mut *tensions, &mut *weights] {
+                        numbers[block.base..block.base + LANES * rows.stride].fill(0.0);
+                    }
+                    add_to_ends(simd, block, &self.weft.lambda, scale, width, tensions, weights);
+                    lines::scatter_rows(simd, tensions, block.base, &mut to.tension, rows, first);
+                    lines::scatter_rows(simd, weights, block.base, &mut to.weight, rows, first);
                 }
             }
             Along::Warp => {
                 for base in (0..self.grid.stride as usize).step_by(LANES) {
                     if is_block(&self.patch, along, base) {
-                        let (block, width) = (self.column_block(base), load(simd, &self.column_width, base));
-                        let lambda = multipliers(&mut self.warp_lambda, block, base);
-                        add_to_ends(simd, block, lambda, scale, width, &mut to.tension, &mut to.weight);
+                        let (block, width) = (column_block(&self.grid, base), load(simd, &self.column_width, base));
+                        add_to_ends(simd, block, &self.warp.lambda, scale, width, &mut to.tension, &mut to.weight);
                     }
                 }
             }
@@ -199,12 +250,12 @@ impl GridConstraints {
         }
     }
 
-    /// Root mean square of what the last substep, of length `h`, left of `C + α̃ λ` in the links along warp and weft, in
-    /// rest lengths.
-    pub fn residual(&self, particles: &Particles, h: f32) -> f32 {
+    /// Root mean square of what the last substep, of that [`Substep::square`], left of `C + α̃ λ` in the links along warp and
+    /// weft, in rest lengths.
+    pub fn residual(&self, particles: &Particles, square: f32) -> f32 {
         let (mut sum, mut count) = (0.0_f64, 0);
         for along in [Along::Weft, Along::Warp] {
-            let Stiffness { stretch, spacing, .. } = self.stiffness(along, h);
+            let (stretch, spacing) = self.stretch(along, square);
             for ([a, b], lambda, narrow) in self.links(along) {
                 let length = particles.position.get(a as usize).distance(particles.position.get(b as usize));
                 sum += f64::from((length - spacing + stretch * narrow * lambda) / spacing).powi(2);
@@ -233,52 +284,88 @@ impl GridConstraints {
         0.5 * (self.fabric.bend_warp + self.fabric.bend_weft)
     }
 
-    /// α̃ of the runs along `along` in a substep of length `h`.
-    fn stiffness(&self, along: Along, h: f32) -> Stiffness {
-        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
-        let Fabric { stretch_weft, stretch_warp, bend_weft, bend_warp, .. } = self.fabric;
-        let (stretch, bend, along, across) = match along {
-            Along::Weft => (stretch_weft, bend_weft, a, b),
-            Along::Warp => (stretch_warp, bend_warp, b, a),
+    /// ω² H² of the fastest wave of bending along `along` in a substep of length H, s, without filter.
+    pub fn fastest_bending(&self, along: Along, h: f32) -> f32 {
+        let (bending, spacing) = match along {
+            Along::Weft => (self.fabric.bend_weft, self.grid.spacing.x),
+            Along::Warp => (self.fabric.bend_warp, self.grid.spacing.y),
         };
+        16.0 * bending * h * h / (self.fabric.areal_density * spacing.powi(4))
+    }
+
+    /// ω² H² of the fastest wave of shear in a substep of length H, s, without filter.
+    pub fn fastest_shear(&self, h: f32) -> f32 {
+        let wave = self.fabric.shear * h * h / self.fabric.areal_density;
+        4.0 * wave * (self.grid.spacing * self.grid.spacing).recip().element_sum()
+    }
+
+    /// α̃ of the links along `along` in a substep of that [`Substep::square`], and their rest length.
+    fn stretch(&self, along: Along, square: f32) -> (f32, f32) {
+        let (a, b) = (self.grid.spacing.x, self.grid.spacing.y);
+        match along {
+            Along::Weft => (a / (self.fabric.stretch_weft * b * square), a),
+            Along::Warp => (b / (self.fabric.stretch_warp * a * square), b),
+        }
+    }
+
+    /// How the runs along `along` resist in `sub`.
+    fn stiffness(&self, along: Along, sub: &Substep) -> Stiffness {
+        let (stretch, spacing) = self.stretch(along, sub.square());
+        let (bending, across) = match along {
+            Along::Weft => (self.fabric.bend_weft, self.grid.spacing.y),
+            Along::Warp => (self.fabric.bend_warp, self.grid.spacing.x),
+        };
+        let (longest, fastest) = (sub.longest * sub.longest, self.fastest_bending(along, sub.longest));
         Stiffness {
-            stretch: along / (stretch * across * h * h),
-            bend: (bend > 0.0).then(|| along * along * along / (bend * across * h * h)),
-            spacing: along,
+            stretch,
+            bend: (bending > 0.0).then(|| spacing.powi(3) / (bending * across * longest)),
+            filter: if fastest > FASTEST_BENDING { 1.0 / FASTEST_BENDING - 1.0 / fastest } else { 0.0 },
+            share: sub.share(),
+            spacing,
         }
     }
 
     #[inline(always)]
-    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel<'_>) {
+    fn solve_cells<S: Simd>(&self, simd: S, particles: &mut Particles, model: CellModel) {
         let Particles { position, moved, inverse_mass, .. } = particles;
         if !matches!(model.shear, ShearModel::None) || model.twist.is_some() {
             Cells { grid: &self.grid, mask: &self.cell_mask, inverse_mass, model }.solve(simd, position, moved);
         }
     }
 
-    /// α̃ of the cells against shear.
-    fn shear_compliance(&self, h: f32) -> f32 {
-        1.0 / (self.fabric.shear * h * h * self.grid.spacing.x * self.grid.spacing.y)
+    /// α̃ of the cells against shear, in a substep of that [`Substep::square`].
+    fn shear_compliance(&self, square: f32) -> f32 {
+        1.0 / (self.fabric.shear * square * self.grid.spacing.x * self.grid.spacing.y)
     }
 
     /// α̃ of the cells against twist, if the fabric resists it.
-    fn twist_compliance(&self, h: f32) -> Option<f32> {
-        let twist = self.twist_stiffness() * h * h;
+    fn twist_compliance(&self, square: f32) -> Option<f32> {
+        let twist = self.twist_stiffness() * square;
         (twist > 0.0).then(|| self.grid.spacing.x * self.grid.spacing.y / (2.0 * twist))
     }
 
-    fn rows(&self) -> Rows {
+    /// 2 D H²/(a b), kg, no stiffer than that no wave of twist is too fast for the longest substep H.
+    fn twist(&self, sub: &Substep) -> f32 {
+        let cell = self.grid.spacing.x * self.grid.spacing.y;
+        let stiffness = 2.0 * self.twist_stiffness() * sub.longest * sub.longest / cell;
+        stiffness.min(FASTEST_TWIST / 16.0 * self.fabric.areal_density * cell)
+    }
+
+    fn row_lanes(&self) -> Rows {
         Rows { rows: self.grid.rows as usize, stride: self.grid.stride as usize }
     }
+}
 
-    fn row_block(&self) -> Block {
-        Block { base: 0, stride: LANES, count: self.grid.columns as usize, spacing: self.grid.spacing.x }
-    }
+/// The eight rows from `first` on, in lanes.
+fn row_block(grid: &Grid, first: usize) -> Block {
+    let (stride, count) = (grid.stride as usize, grid.columns as usize);
+    Block { base: first * stride, stride: LANES, count, spacing: grid.spacing.x, links: first * count }
+}
 
-    fn column_block(&self, base: usize) -> Block {
-        let (stride, count) = (self.grid.stride as usize, self.grid.rows as usize);
-        Block { base, stride, count, spacing: self.grid.spacing.y }
-    }
+/// The eight columns from `base` on.
+fn column_block(grid: &Grid, base: usize) -> Block {
+    let (stride, count) = (grid.stride as usize, grid.rows as usize);
+    Block { base, stride, count, spacing: grid.spacing.y, links: base * count }
 }
 
 /// Adds the tension of each link of eight runs, and its width, to both its ends.
@@ -293,7 +380,7 @@ fn add_to_ends<S: Simd>(
     weights: &mut [f32],
 ) {
     for k in 0..block.count - 1 {
-        let tension = load(simd, lambda, k * LANES) * scale;
+        let tension = load(simd, lambda, block.link(k)) * scale;
         for at in [block.at(k), block.at(k + 1)] {
             store(load(simd, tensions, at) + tension, tensions, at);
             store(load(simd, weights, at) + width, weights, at);
@@ -323,45 +410,18 @@ fn worn(worn: &Option<Box<WornGrid>>, along: Along, first: usize, block: Block) 
     worn.as_ref().map(|worn| worn.block(along, first, block))
 }
 
-/// α̃ of eight runs of the widths from `first` on.
-#[inline(always)]
-fn compliance<S: Simd>(simd: S, stiffness: Stiffness, width: &[f32], first: usize) -> Compliance<S> {
-    let (width, one) = (load(simd, width, first), stiffness.of_one_spacing(simd));
-    #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
-    let bend = match one.bend {
-        Some(bend) => Some(bend / width),
-        None => None,
-    };
-    Compliance { stretch: one.stretch / width, bend }
-}
-
-impl Work {
-    /// Eight rows into lanes.
-    #[inline(always)]
-    fn gather_rows<S: Simd>(&mut self, simd: S, particles: &Particles, rows: Rows, first: usize) {
-        gather(simd, &particles.position, &mut self.position, rows, first);
-        gather(simd, &particles.moved, &mut self.moved, rows, first);
-        lines::gather_rows(simd, &particles.inverse_mass, &mut self.inverse_mass, rows, first);
-    }
-}
-
 /// Eight rows of vectors into lanes.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usize) {
-    lines::gather_rows(simd, &from.x, &mut to.x, rows, first);
-    lines::gather_rows(simd, &from.y, &mut to.y, rows, first);
-    lines::gather_rows(simd, &from.z, &mut to.z, rows, first);
+fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, base: usize, rows: Rows, first: usize) {
+    lines::gather_rows(simd, &from.x, &mut to.x, base, rows, first);
+    lines::gather_rows(simd, &from.y, &mut to.y, base, rows, first);
+    lines::gather_rows(simd, &from.z, &mut to.z, base, rows, first);
 }
 
 /// Eight rows of vectors back from lanes.
 #[inline(always)]
-fn scatter<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, rows: Rows, first: usize) {
-    lines::scatter_rows(simd, &from.x, &mut to.x, rows, first);
-    lines::scatter_rows(simd, &from.y, &mut to.y, rows, first);
-    lines::scatter_rows(simd, &from.z, &mut to.z, rows, first);
-}
-
-/// The multipliers of the block that starts with row or column `first`.
-fn multipliers(lambda: &mut [f32], block: Block, first: usize) -> &mut [f32] {
-    &mut lambda[first * block.count..(first + LANES) * block.count]
+fn scatter<S: Simd>(simd: S, from: &Soa3, base: usize, to: &mut Soa3, rows: Rows, first: usize) {
+    lines::scatter_rows(simd, &from.x, base, &mut to.x, rows, first);
+    lines::scatter_rows(simd, &from.y, base, &mut to.y, rows, first);
+    lines::scatter_rows(simd, &from.z, base, &mut to.z, rows, first);
 }

@@ -1,139 +1,229 @@
-//! Cells by their stress, rows and columns exactly, and the inertia that their loads ask for.
+//! Cells and bending as forces, then rows and columns exactly, in passes.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::super::cells::{CellModel, ShearModel};
-use super::super::lines;
-use super::super::listed::Work;
+use super::super::cells::{CellForces, CellModel, ShearModel};
+use super::super::lines::{self, Met};
 use super::super::shear::Sheet;
-use super::{GridConstraints, Stiffness, compliance, gather, is_block, multipliers, scatter, worn};
-use crate::lanes::{LANES, splat};
+use super::super::wear::New;
+use super::{GridConstraints, RowLanes, Stiffness, column_block, gather, is_block, row_block, scatter, worn};
+use crate::lanes::{LANES, load, splat};
+use crate::tick::{Effort, Substep};
 use crate::topology::Along;
 use crate::{Fabric, Particles};
 
-/// T h²/(m l) that a particle under a lasting load is given the inertia for. Warp and weft are solved one after the other,
-/// so where both carry much they leave a strain of this order times the ratio of their loads' change over an edge.
-const STATIC_LOAD: f32 = 0.25;
+/// The largest T h²/(m l) for which [`lines::filter`] is made.
+const LARGEST_LOAD: f32 = 1.0;
 
-// A particle that has the inertia its load asks for must still count as loaded, or it would lose it again.
-const _: () = assert!(STATIC_LOAD > lines::EXPLICIT_LOAD);
+/// Passes over rows and columns in a substep, unless they settle before, and most passes, where the last one still moved a particle
+/// further than [`CLOSE`].
+pub(in super::super) const PASSES: usize = 3;
+pub(in super::super) const MOST_PASSES: usize = 8;
+
+/// See [`PASSES`], in edges.
+pub(in super::super) const CLOSE: f32 = 0.02;
+
+/// A pass that moves no particle further than this, in edges, need not be followed by another one.
+pub(in super::super) const SETTLED: f32 = 5e-4;
+
+/// The change of a link in a substep, in rest lengths, up to which cloth that has settled needs no second pass.
+pub(in super::super) const QUIET: f32 = 0.02;
 
 impl GridConstraints {
-    /// Once in a substep of length `h`.
+    /// Once in a substep.
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, h: f32) {
+    pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
+        self.push_cells(simd, particles, sub);
+        let stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
+        let rows = self.solve_rows::<S, true>(simd, particles, stiffness[0]);
+        let columns = self.solve_columns::<S, true>(simd, particles, stiffness[1]);
+        let loads = [rows, columns].map(|met| met.load.reduce_max());
+        let mut met = rows.and(columns);
+        let links = [self.grid.rows * (self.grid.columns - 1), self.grid.columns * (self.grid.rows - 1)];
+        let mean = |met: Met<S>, links: u32| {
+            let loads: [f32; LANES] = met.loads.into();
+            loads.iter().sum::<f32>() / links as f32
+        };
+        let mean_load = mean(rows, links[0]).max(mean(columns, links[1]));
+        if loads[0] > lines::UNFILTERED_LOAD {
+            self.filter_rows(simd, particles);
+        }
+        if loads[1] > lines::UNFILTERED_LOAD {
+            self.filter_columns(simd, particles);
+        }
+        if sub.start == 0.0 || met.change.reduce_max() > QUIET * QUIET {
+            self.settled = false;
+        }
+        let load = met.load.reduce_max();
+        for pass in 1..MOST_PASSES {
+            if self.settled {
+                break;
+            }
+            let rows = self.solve_rows::<S, false>(simd, particles, stiffness[0]);
+            met = rows.and(self.solve_columns::<S, false>(simd, particles, stiffness[1]));
+            let left = rows.left.reduce_max();
+            self.settled = left < SETTLED;
+            if pass + 1 >= PASSES && left < CLOSE {
+                break;
+            }
+        }
+        Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt() }
+    }
+
+    /// Shear and twist, and whatever is no thread.
+    #[inline(always)]
+    fn push_cells<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) {
         let Fabric { shear, areal_density, .. } = self.fabric;
-        let mut stress = std::mem::take(&mut self.stress);
         if shear > 0.0 {
             let sheet = Sheet { grid: &self.grid, mask: &self.cell_mask, shear, density: areal_density };
-            stress.find(simd, sheet, &particles.position, &particles.inverse_mass, h);
+            self.stress.find(simd, sheet, &particles.position, &particles.inverse_mass, sub.longest);
         }
-        let model = if shear > 0.0 { ShearModel::Stress(&stress.lambda) } else { ShearModel::None };
-        self.solve_cells(simd, particles, CellModel { shear: model, twist: self.twist_compliance(h) });
-        self.stress = stress;
-        let listed = if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(h)) } else { ShearModel::None };
-        let listed = CellModel { shear: listed, twist: self.twist_compliance(h) };
-        if let Some(patch) = &mut self.patch {
-            patch.solve_loose(simd, particles, &self.grid, listed, h);
-        }
-        let (weft, warp) = (self.stiffness(Along::Weft, h), self.stiffness(Along::Warp, h));
-        let mut weft_load = self.solve_rows(simd, particles, weft);
-        if let Some(patch) = &mut self.patch {
-            weft_load = weft_load.max(patch.solve(simd, Along::Weft, particles, weft, &mut self.work));
-        }
-        let mut warp_load = self.solve_columns(simd, particles, warp);
-        if let Some(patch) = &mut self.patch {
-            warp_load = warp_load.max(patch.solve(simd, Along::Warp, particles, warp, &mut self.work));
-        }
-        if weft_load > lines::EXPLICIT_LOAD {
-            self.soften_rows(simd, particles);
-        }
-        if warp_load > lines::EXPLICIT_LOAD {
-            self.soften_columns(simd, particles);
-        }
-    }
-
-    #[inline(always)]
-    fn soften_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
-            let Work { moved, inverse_mass, load: inertia, elimination, .. } = &mut self.work;
-            gather(simd, &particles.moved, moved, rows, first);
-            lines::gather_rows(simd, &particles.inverse_mass, inverse_mass, rows, first);
-            let lambda = multipliers(&mut self.weft_lambda, block, first);
-            lines::soften(simd, block, moved, inverse_mass, lambda, elimination);
-            scatter(simd, moved, &mut particles.moved, rows, first);
-            inertia.fill(0.0);
-            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
-            lines::scatter_rows(simd, inertia, &mut particles.load, rows, first);
-        }
-        if let Some(patch) = &self.patch {
-            let spacing = self.grid.spacing.x;
-            patch.soften(simd, Along::Weft, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
-        }
-    }
-
-    #[inline(always)]
-    fn soften_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
-        for base in (0..self.grid.stride as usize).step_by(LANES) {
-            if !is_block(&self.patch, Along::Warp, base) {
-                continue;
-            }
-            let block = self.column_block(base);
-            let lambda = multipliers(&mut self.warp_lambda, block, base);
-            let Particles { moved, inverse_mass, load: inertia, .. } = &mut *particles;
-            lines::soften(simd, block, moved, inverse_mass, lambda, &mut self.work.elimination);
-            lines::record_load(simd, block, lambda, STATIC_LOAD.recip(), inertia);
-        }
-        if let Some(patch) = &self.patch {
-            let spacing = self.grid.spacing.y;
-            patch.soften(simd, Along::Warp, particles, spacing, STATIC_LOAD.recip(), &mut self.work);
-        }
-    }
-
-    /// Bending and stretch along the weft.
-    #[inline(always)]
-    fn solve_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
-        let mut largest = splat(simd, 0.0);
-        let (rows, block) = (self.rows(), self.row_block());
-        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
-            self.work.gather_rows(simd, particles, rows, first);
-            let compliance = compliance(simd, stiffness, &self.row_width, first);
-            let worn = worn(&self.worn, Along::Weft, first, block);
-            let lambda = multipliers(&mut self.weft_lambda, block, first);
-            let Work { position, moved, inverse_mass, elimination, .. } = &mut self.work;
-            let load_ratio =
-                lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, elimination);
-            largest = largest.max(load_ratio);
-            scatter(simd, moved, &mut particles.moved, rows, first);
-        }
-        largest.reduce_max()
-    }
-
-    /// Bending and stretch along the warp.
-    #[inline(always)]
-    fn solve_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) -> f32 {
-        let mut largest = splat(simd, 0.0);
-        for base in (0..self.grid.stride as usize).step_by(LANES) {
-            if !is_block(&self.patch, Along::Warp, base) {
-                continue;
-            }
-            let block = self.column_block(base);
-            let compliance = compliance(simd, stiffness, &self.column_width, base);
-            let worn = worn(&self.worn, Along::Warp, base, block);
-            let lambda = multipliers(&mut self.warp_lambda, block, base);
+        let forces = CellForces {
+            grid: &self.grid,
+            mask: &self.cell_mask,
+            stress: if shear > 0.0 { Some(&self.stress.lambda) } else { None },
+            twist: self.twist(sub),
+            share: sub.share(),
+        };
+        if shear > 0.0 || forces.twist > 0.0 {
             let Particles { position, moved, inverse_mass, .. } = &mut *particles;
-            let work = &mut self.work.elimination;
-            let load_ratio = lines::solve(simd, block, position, moved, inverse_mass, compliance, worn, lambda, work);
-            largest = largest.max(load_ratio);
+            forces.push(simd, position, inverse_mass, moved, &mut self.cell_rows);
         }
-        largest.reduce_max()
+        if self.patch.is_some() {
+            let longest = sub.longest * sub.longest;
+            let shears = if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(longest)) } else { ShearModel::None };
+            let model = CellModel { shear: shears, twist: self.twist_compliance(longest) };
+            if let Some(patch) = &mut self.patch {
+                patch.push_loose(simd, particles, &self.grid, model, sub);
+            }
+        }
+    }
+
+    /// A pass along the weft; the first one after bending.
+    #[inline(always)]
+    fn solve_rows<S: Simd, const FIRST: bool>(
+        &mut self,
+        simd: S,
+        particles: &mut Particles,
+        stiffness: Stiffness,
+    ) -> Met<S> {
+        let mut met = Met::nothing(simd);
+        let rows = self.row_lanes();
+        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
+            let (block, width) = (row_block(&self.grid, first), load(simd, &self.row_width, first));
+            let RowLanes { position, moved, inverse_mass, .. } = &mut self.rows;
+            if FIRST {
+                gather(simd, &particles.position, position, block.base, rows, first);
+                lines::gather_rows(simd, &particles.inverse_mass, inverse_mass, block.base, rows, first);
+            }
+            gather(simd, &particles.moved, moved, block.base, rows, first);
+            let worn = worn(&self.worn, Along::Weft, first, block);
+            let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
+            let on = On { block, position, moved, inverse_mass };
+            met = met.and(on.pass::<S, FIRST>(simd, stiffness, width, worn, &mut self.weft, elimination));
+            scatter(simd, moved, block.base, &mut particles.moved, rows, first);
+        }
+        match &mut self.patch {
+            Some(patch) => {
+                met.and(patch.solve::<S, FIRST>(simd, Along::Weft, particles, stiffness, &mut self.work))
+            }
+            None => met,
+        }
+    }
+
+    /// A pass along the warp; the first one after bending.
+    #[inline(always)]
+    fn solve_columns<S: Simd, const FIRST: bool>(
+        &mut self,
+        simd: S,
+        particles: &mut Particles,
+        stiffness: Stiffness,
+    ) -> Met<S> {
+        let mut met = Met::nothing(simd);
+        for base in (0..self.grid.stride as usize).step_by(LANES) {
+            if !is_block(&self.patch, Along::Warp, base) {
+                continue;
+            }
+            let (block, width) = (column_block(&self.grid, base), load(simd, &self.column_width, base));
+            let worn = worn(&self.worn, Along::Warp, base, block);
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            let on = On { block, position, moved, inverse_mass };
+            let elimination = &mut self.rows.elimination;
+            met = met.and(on.pass::<S, FIRST>(simd, stiffness, width, worn, &mut self.warp, elimination));
+        }
+        match &mut self.patch {
+            Some(patch) => {
+                met.and(patch.solve::<S, FIRST>(simd, Along::Warp, particles, stiffness, &mut self.work))
+            }
+            None => met,
+        }
+    }
+
+    #[inline(always)]
+    fn filter_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+        let rows = self.row_lanes();
+        for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
+            let block = row_block(&self.grid, first);
+            let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
+            gather(simd, &particles.moved, moved, block.base, rows, first);
+            lines::filter(simd, block, position, moved, inverse_mass, &self.weft, elimination);
+            scatter(simd, moved, block.base, &mut particles.moved, rows, first);
+        }
+        if let Some(patch) = &self.patch {
+            patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work);
+        }
+    }
+
+    #[inline(always)]
+    fn filter_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+        for base in (0..self.grid.stride as usize).step_by(LANES) {
+            if is_block(&self.patch, Along::Warp, base) {
+                let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+                let block = column_block(&self.grid, base);
+                lines::filter(simd, block, position, moved, inverse_mass, &self.warp, &mut self.rows.elimination);
+            }
+        }
+        if let Some(patch) = &self.patch {
+            patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work);
+        }
     }
 }
 
-/// The load of the largest lane.
-#[inline(always)]
-pub(in super::super) fn largest<S: Simd>(load: f32x8<S>) -> f32 {
-    load.reduce_max()
+/// What a pass works on.
+struct On<'a> {
+    block: lines::Block,
+    position: &'a crate::Soa3,
+    moved: &'a mut crate::Soa3,
+    inverse_mass: &'a [f32],
+}
+
+impl On<'_> {
+    #[inline(always)]
+    fn pass<S: Simd, const FIRST: bool>(
+        self,
+        simd: S,
+        stiffness: Stiffness,
+        width: f32x8<S>,
+        worn: Option<super::Worn<'_>>,
+        links: &mut lines::Links8,
+        work: &mut lines::Elimination,
+    ) -> Met<S> {
+        let Self { block, position, moved, inverse_mass } = self;
+        let compliance = splat(simd, stiffness.stretch) / width;
+        match worn {
+            None => {
+                if FIRST && let Some(bend) = stiffness.bend(simd, width) {
+                    lines::bend(simd, block, position, moved, inverse_mass, bend, New, work);
+                }
+                lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, New, links)
+            }
+            Some(worn) => {
+                if FIRST && let Some(bend) = stiffness.bend(simd, width) {
+                    lines::bend(simd, block, position, moved, inverse_mass, bend, worn, work);
+                }
+                lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, links)
+            }
+        }
+    }
 }

@@ -14,8 +14,10 @@ impl Fire {
             let before = particles.mass[slot];
             if *taken != now && before > 0.0 {
                 let mass = before - self.areal_density * topology.area[slot] * (now - *taken);
-                particles.inertia[slot] *= mass / before;
                 particles.mass[slot] = mass;
+                if particles.inverse_mass[slot] > 0.0 {
+                    particles.inverse_mass[slot] = 1.0 / mass;
+                }
             }
             *taken = now;
         }

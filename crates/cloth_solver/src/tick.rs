@@ -1,0 +1,184 @@
+//! Time: a tick, and the substeps it is divided into.
+
+/// One tick: how long, and into how many substeps it may be divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Length of the tick, s.
+    pub dt: f32,
+    /// Least number of substeps, at least 1: what a quiet tick takes.
+    pub substeps: u32,
+    /// Largest number of substeps: as many are taken as load and motion ask for. Not below `substeps`; equal to it, the number
+    /// is fixed. Methods that step forces, and PBD, always take `substeps`.
+    pub most: u32,
+    /// Iterations in a substep, at least 1; of no effect on methods that do not iterate.
+    pub iterations: u32,
+}
+
+/// Default least and largest number of substeps in a tick; see the chart in `docs/lab`.
+pub const DEFAULT_SUBSTEPS: [u32; 2] = [10, 80];
+
+impl Tick {
+    /// A tick of `dt` seconds at the default budget.
+    pub const fn new(dt: f32) -> Self {
+        let [substeps, most] = DEFAULT_SUBSTEPS;
+        Self { dt, substeps, most, iterations: 1 }
+    }
+
+    /// A tick of `dt` seconds in exactly `substeps` substeps.
+    pub const fn fixed(dt: f32, substeps: u32) -> Self {
+        Self { dt, substeps, most: substeps, iterations: 1 }
+    }
+
+    /// A tick of `dt` seconds in at least `substeps` substeps and, where more are asked for, as many as by default.
+    pub const fn at_least(dt: f32, substeps: u32) -> Self {
+        let most = if substeps > DEFAULT_SUBSTEPS[1] { substeps } else { DEFAULT_SUBSTEPS[1] };
+        Self { dt, substeps, most, iterations: 1 }
+    }
+
+    /// Its first substep, for cloth that moved before, if it is a quiet tick.
+    pub fn first(&self) -> Substep {
+        let count = self.range()[0];
+        let h = self.dt / count;
+        Substep { h, kick: h, longest: h, start: 0.0, end: 1.0 / count, iterations: self.iterations.max(1) }
+    }
+
+    /// The least and the largest number of substeps.
+    fn range(&self) -> [f32; 2] {
+        let least = self.substeps.max(1);
+        [least, self.most.max(least)].map(|count| count as f32)
+    }
+}
+
+/// One substep of a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Substep {
+    /// Length, s: how long the particles drift at one velocity.
+    pub h: f32,
+    /// How long the forces act that give them that velocity, s: from the middle of the last substep to the middle of this one, so
+    /// that a change of length neither adds energy nor takes any. Half of `h` in the first substep of all.
+    pub kick: f32,
+    /// The longest that a substep of this tick may be, s. Forces are smoothed for this length, whatever that of the substep is,
+    /// so that the fabric does not become stiffer and softer again with the number of substeps.
+    pub longest: f32,
+    /// Where in the tick it starts, 0..1.
+    pub start: f32,
+    /// Where in the tick it ends, 0..=1; exactly 1 in the last.
+    pub end: f32,
+    /// Iterations, at least 1.
+    pub iterations: u32,
+}
+
+impl Substep {
+    /// Whether it is the last of its tick.
+    pub fn is_last(&self) -> bool {
+        self.end >= 1.0
+    }
+
+    /// What a force becomes a move by, divided by mass, s²: `kick` times `h`.
+    pub fn square(&self) -> f32 {
+        self.kick * self.h
+    }
+
+    /// [`Self::square`] over that of the longest substep: the part of a smoothed force that acts in this one.
+    pub(crate) fn share(&self) -> f32 {
+        self.square() / (self.longest * self.longest)
+    }
+}
+
+/// What a substep was like for the cloth: what decides how long the next one may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// The largest T h²/(m l) of the links, T tension, m mass of the lighter end, l rest length, over what is stable.
+    pub load: f32,
+    /// The mean T h²/(m l) of the links.
+    pub mean_load: f32,
+    /// The largest change of a link (stretch and turn) in rest lengths.
+    pub motion: f32,
+}
+
+/// Divides the ticks of one cloth into substeps: as many as its load and its motion ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace {
+    /// Substeps to a tick that are asked for.
+    asked: f32,
+    /// Where in the tick the next substep starts.
+    at: f32,
+    /// Substeps taken in this tick, those that were repeated included.
+    taken: u32,
+    /// Whether forces are smoothed for a shorter substep, while the cloth is in violent motion.
+    storm: bool,
+    /// For how long it has been in violent motion rather than not, s, up to [`PATIENCE`].
+    stormy: f32,
+    /// Length of the last substep that was accepted, s; 0 before the first.
+    last: f32,
+}
+
+/// [`Effort::mean_load`] up to which waves across taut cloth are right within 2 %.
+const MEAN_LOAD: f32 = 0.4;
+
+/// [`Effort::motion`] up to which links keep pulling along the direction that they had when the substep began.
+const MOTION: f32 = 0.25;
+
+/// How far beyond what it may be a substep is accepted.
+const TOLERANCE: f32 = 1.3;
+
+/// What is left of the number of substeps asked for after a substep in which fewer would have done.
+const FADE: f32 = 0.98;
+
+/// More than so many times the least number of substeps is violent motion.
+const STORM: f32 = 1.6;
+
+/// Of violent motion forces are smoothed for a substep that many times shorter than the longest.
+const SHORTER: f32 = 3.0;
+
+/// How long it has to be so, s, before forces are smoothed for a shorter substep, and how long not before for the longer one again.
+const PATIENCE: f32 = 0.25;
+
+impl Pace {
+    /// Begins a tick. `at_least` is what anything else than load and motion asks for (moving colliders).
+    pub fn begin(&mut self, tick: &Tick, at_least: f32) {
+        let [least, most] = tick.range();
+        (self.at, self.taken) = (0.0, 0);
+        self.asked = self.asked.max(at_least).clamp(least, most);
+    }
+
+    /// The substep at hand; `None` if the tick is over.
+    pub fn substep(&mut self, tick: &Tick) -> Option<Substep> {
+        if self.at >= 1.0 {
+            return None;
+        }
+        let [least, most] = tick.range();
+        // A thousandth: what is left but for rounding needs no substep of its own.
+        let left = ((1.0 - self.at) * self.asked.clamp(least, most) - 1e-3).ceil().max(1.0);
+        let end = if left == 1.0 { 1.0 } else { self.at + (1.0 - self.at) / left };
+        let h = tick.dt * (1.0 - self.at) / left;
+        let longest = tick.dt / if self.storm { (SHORTER * least).min(most) } else { least };
+        let kick = 0.5 * (h + self.last);
+        Some(Substep { h, kick, longest: longest.max(h), start: self.at, end, iterations: tick.iterations.max(1) })
+    }
+
+    /// Takes note of what `sub` was like. `false` if it has to be repeated, being too long.
+    pub fn accept(&mut self, tick: &Tick, sub: &Substep, effort: &Effort) -> bool {
+        let [least, most] = tick.range();
+        self.taken += 1;
+        let by_load = effort.load.max(effort.mean_load / MEAN_LOAD).sqrt();
+        // `max` and `min` pass over what is not a number.
+        let asked = (by_load.max(effort.motion / MOTION) * tick.dt / sub.h).max(least).min(most);
+        if asked * sub.h > TOLERANCE * tick.dt {
+            self.asked = 1.1 * asked;
+            return false;
+        }
+        self.asked = asked.max(FADE * self.asked);
+        (self.at, self.last) = (sub.end, sub.h);
+        // A change of stiffness adds energy or takes some: it must be rare.
+        let stormy = self.asked > STORM * least;
+        self.stormy = (self.stormy + if stormy { sub.h } else { -sub.h }).clamp(0.0, PATIENCE);
+        self.storm = if self.storm { self.stormy > 0.0 } else { self.stormy >= PATIENCE };
+        true
+    }
+
+    /// Substeps taken in this tick so far, those that were repeated included.
+    pub fn taken(&self) -> u32 {
+        self.taken
+    }
+}

@@ -54,7 +54,8 @@ fn a_force_set_between_the_phases_pushes_for_one_tick() {
     app.add_systems(ClothSchedule, push.in_set(ClothSystems::Forces));
     run(&mut app, 32);
     let speed = get::<Particles>(&app, cloth).velocity.get(0).z;
-    assert!((speed - 1.0).abs() < 1e-3, "2 m/s² for half a second give {speed} m/s");
+    // Velocities are those in the middle of the last substep.
+    assert!((speed - 1.0).abs() < 2e-3, "2 m/s² for half a second give {speed} m/s");
     app.world_mut().resource_mut::<Push>().0 = false;
     run(&mut app, 32);
     let later = get::<Particles>(&app, cloth).velocity.get(0).z;

@@ -58,6 +58,12 @@ impl ClothClock {
         due + stepped
     }
 
+    /// How many ticks so many further steps of the surrounding clock will make, if nobody touches either.
+    pub(crate) fn ahead(&self, steps: u32, timestep: Duration) -> u32 {
+        let mut clock = *self;
+        (0..steps.min(MOST_TICKS)).map(|_| clock.take(timestep, timestep)).sum()
+    }
+
     /// Whether the clock stands until someone does something.
     pub(crate) fn stands(&self) -> bool {
         self.paused || self.relative_speed == 0.0
@@ -170,6 +176,15 @@ mod tests {
         let mut clock = ClothClock { relative_speed: 0.25, ..default() };
         let ticks: u32 = (0..100).map(|_| clock.take(STEP, STEP)).sum();
         assert_eq!(ticks, 25);
+    }
+
+    #[test]
+    fn what_lies_ahead_is_what_comes() {
+        let mut clock = ClothClock { relative_speed: 0.4, ..default() };
+        clock.take(STEP, STEP);
+        let ahead = clock.ahead(9, STEP);
+        assert_eq!(ahead, 4);
+        assert_eq!((0..9).map(|_| clock.take(STEP, STEP)).sum::<u32>(), ahead);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 pub use cloth_solver::topology::Resolution;
 use cloth_solver::{ClothError, Fabric, Pose, Soa3, Topology};
 
-use crate::prepare::Authored;
+use crate::prepare::{Authored, Follow};
 
 /// Makes its entity a cloth.
 ///
@@ -16,8 +16,8 @@ use crate::prepare::Authored;
 ///
 /// The scale of the entity's [`Transform`] is part of the rest shape: a rectangle of 1 m × 1 m on an entity scaled by
 /// 2 is a cloth of 2 m × 2 m of the same fabric. A changed scale therefore builds the cloth anew, flat and at rest;
-/// a changed place or orientation moves its frame and what is pinned to it, and leaves the rest where it is. A jump of
-/// more than 10 m from one tick to the next takes all of it along.
+/// a changed place or orientation moves its frame and what is pinned to it, and leaves the rest where it is. A jump
+/// takes all of it along, see [`Teleport`](crate::Teleport).
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, Visibility, Fabric, Authored)]
@@ -108,12 +108,17 @@ pub struct ClothTopology(pub(crate) Arc<Topology>);
 /// Particles are held in this frame, so that a cloth ten kilometres from the origin is as exact as one at it.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct ClothFrame {
-    /// Rotation and translation of the entity at the last tick.
+    /// Rotation and translation of the entity at the last tick. While an entity that is moved once a frame is on its way over
+    /// the ticks of the frame, how far it has come.
     pub pose: Pose,
     /// The scale that is baked into the rest shape.
     pub scale: Vec3,
-    /// The pose one tick earlier.
+    /// The pose one tick earlier; of a cloth that jumped where that was carried to.
     pub(crate) before: Pose,
+    /// Where the frame is on its way to.
+    pub(crate) follow: Follow,
+    /// What the cloth hangs on jumped in this tick, and the cloth went along.
+    pub(crate) carried: bool,
     /// Whether the entity's transform is not finite, so that the pose is the last one that was.
     pub(crate) lost: bool,
 }

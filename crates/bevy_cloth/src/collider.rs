@@ -9,7 +9,8 @@ use crate::prepare::ColliderState;
 /// A uniform scale of the transform multiplies all sizes. Cuboid, pyramid and convex solid take a scale that differs
 /// between the axes too; for sphere and capsule such a scale is an error, told by
 /// [`ColliderRejected`](crate::ColliderRejected). A collider that moves carries the cloth with it: its pose is
-/// interpolated over the substeps of a tick.
+/// interpolated over the substeps of a tick, and over the ticks of a frame if it is moved once a frame. A move of more than
+/// 0.75 m in one tick is a jump: it is there at once, and sweeps nothing along.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, ColliderState)]

@@ -3,7 +3,8 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
-//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Shared`]
+//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`Shared`]
+//! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
@@ -36,9 +37,16 @@
 //! [`ClothCollider`].
 //!
 //! # Settings
-//! [`Gravity`], [`Substeps`] and [`Method`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and so on; as
+//! [`Gravity`], [`Substeps`], [`Method`] and [`Teleport`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and so on; as
 //! a component each overrides the shared value for one cloth. The default method suits games; the others are there to be
 //! compared, and those that step forces want stiff fabric in very many substeps.
+//!
+//! # Motion and jumps
+//! Pins, colliders, hands and the cloth's own entity may be moved at any time. What a system moves once a frame goes its way
+//! evenly over the ticks of the frame, so that a slow frame strikes no harder than a fast one; what is moved in the fixed
+//! schedules before each tick is never late. What goes too far for one tick (a blink, a respawn) is no motion but a jump:
+//! [`Teleport`] says from where on, and whether the cloth goes along in one piece, goes to rest, or is dragged there. A
+//! collider that jumps sweeps nothing along.
 //!
 //! # Air
 //! A cloth with the component [`Air`] feels the air around it; without it none acts, and none is computed. [`Wind`] and its
@@ -99,6 +107,7 @@ pub mod render;
 pub mod schedule;
 pub mod settings;
 pub mod stats;
+pub mod teleport;
 pub mod weights;
 
 mod fault;
@@ -130,4 +139,5 @@ pub use render::{ClothColoring, ClothFlames};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use stats::ClothStats;
+pub use teleport::{Teleport, TeleportPolicy};
 pub use weights::{Weight, Weights};

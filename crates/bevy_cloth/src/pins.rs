@@ -79,7 +79,8 @@ pub enum PinTarget {
     /// The world: each particle is held where it was when the pin was made, however the cloth's transform moves.
     World,
     /// Another entity: each particle keeps the place it had in that entity's frame (without its scale) when the pin
-    /// was made. If the entity goes, the pin stays where it was last.
+    /// was made. If the entity goes, the pin stays where it was last. If it jumps the cloth goes along, see
+    /// [`Teleport`](crate::Teleport).
     Entity(Entity),
 }
 

@@ -13,6 +13,7 @@ use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
+use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, damage, fault, prepare, stats, step};
 
@@ -27,6 +28,9 @@ pub struct ClothPlugin {
 impl ClothPlugin {
     /// Simulates in `schedule`. Ticks have the length of the fixed timestep in any case; in a schedule that runs once
     /// a frame there are as many of them as the frame is long.
+    ///
+    /// What is moved once a frame (colliders, entities with pins, clothes, hands) moves over all ticks of the frame; what is
+    /// moved before each fixed step moves within that step.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
@@ -98,14 +102,16 @@ impl Plugin for ClothPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
+        let in_fixed_loop = fixed.contains(&self.schedule);
         app.init_resource::<Time<ClothClock>>()
-            .insert_resource(RunsInFixedLoop(fixed.contains(&self.schedule)))
+            .insert_resource(RunsInFixedLoop(in_fixed_loop))
             .init_resource::<ClothTick>()
             .init_resource::<Shared<Gravity>>()
             .init_resource::<Shared<Substeps>>()
             .init_resource::<Shared<Method>>()
             .init_resource::<Shared<Wind>>()
             .init_resource::<Shared<Gusts>>()
+            .init_resource::<Shared<Teleport>>()
             .add_message::<ClothRejected>()
             .add_message::<ColliderRejected>()
             .add_message::<WindRejected>()
@@ -113,7 +119,7 @@ impl Plugin for ClothPlugin {
             .add_message::<ClothReset>();
         register_types(app);
         add_schedules(app, self.schedule);
-        prepare::plugin(app, self.schedule);
+        prepare::plugin(app, self.schedule, in_fixed_loop);
         damage::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
@@ -163,6 +169,8 @@ fn register_types(app: &mut App) {
         .register_type::<Gusts>()
         .register_type_data::<Gusts, ReflectComponent>()
         .register_type::<Shared<Gusts>>()
+        .register_type::<Teleport>()
+        .register_type::<Shared<Teleport>>()
         .register_type::<Fan>()
         .register_type_data::<Fan, ReflectComponent>()
         .register_type::<WindZone>()

@@ -9,7 +9,7 @@ use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::{self, Contacts};
 use cloth_solver::method;
 
-use crate::clock::ClothClock;
+use crate::clock::{ClothClock, RunsInFixedLoop};
 use crate::prepare::StepPlan;
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
 use crate::settings::Grabs;
@@ -22,6 +22,12 @@ pub(crate) struct ClothTick {
     /// Time stands and only what is held by a hand moves: no force acts, no speed is kept, the clock does not
     /// advance.
     pub still: bool,
+    /// How many ticks are still to come in this frame, this one included.
+    pub left: u32,
+    /// How many of them before any other system runs: in this run of the plugin's schedule, this one included.
+    pub left_in_run: u32,
+    /// It is the first of its run.
+    pub first: bool,
 }
 
 /// Advances the clock and runs [`ClothSchedule`] once for each tick that is due.
@@ -35,9 +41,11 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
     if due == 0 && !still {
         return;
     }
+    let ahead = ticks_ahead(world, timestep, still);
+    let due = due.max(1);
     let outside = world.get_resource::<Time>().copied();
     let _ = world.try_schedule_scope(ClothSchedule, |world, schedule| {
-        for _ in 0..due.max(1) {
+        for done in 0..due {
             let clock = world.get_resource_mut::<Time<ClothClock>>().map(|mut clock| {
                 if !still {
                     clock.advance_by(timestep);
@@ -45,11 +53,31 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
                 clock.as_generic()
             });
             set_time(world, clock);
-            *world.resource_mut::<ClothTick>() = ClothTick { dt: timestep.as_secs_f32(), still };
+            let left_in_run = due - done;
+            *world.resource_mut::<ClothTick>() = ClothTick {
+                dt: timestep.as_secs_f32(),
+                still,
+                left: left_in_run + ahead,
+                left_in_run,
+                first: done == 0,
+            };
             schedule.run(world);
         }
     });
     set_time(world, outside);
+}
+
+/// How many ticks follow in this frame after this run of the plugin's schedule.
+fn ticks_ahead(world: &World, timestep: Duration, still: bool) -> u32 {
+    let in_fixed_loop = world.get_resource::<RunsInFixedLoop>().is_some_and(|runs| runs.0);
+    let (Some(fixed), true) = (world.get_resource::<Time<Fixed>>(), in_fixed_loop) else { return 0 };
+    // The fixed loop has taken the step at hand off the overstep, and goes on while a whole one is left.
+    let steps = fixed.overstep().as_nanos() / timestep.as_nanos().max(1);
+    let steps = u32::try_from(steps).unwrap_or(u32::MAX);
+    match world.get_resource::<Time<ClothClock>>() {
+        Some(clock) if !still => clock.context().ahead(steps, timestep),
+        _ => steps,
+    }
 }
 
 fn set_time(world: &mut World, to: Option<Time>) {

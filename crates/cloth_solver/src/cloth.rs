@@ -9,8 +9,8 @@ use crate::damage::fire::{Fire, Surroundings};
 use crate::damage::{self, Blade, Cut, Direction, Stroke, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
-use crate::topology::Change;
 use crate::tick::{Pace, Tick};
+use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
 
 pub use crate::constraint::Constraints;

@@ -5,7 +5,7 @@
 use std::sync::LazyLock;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x8};
+use fearless_simd::{Level, Simd, f32x8, mask32x8};
 
 use glam::{Mat3, Vec3};
 
@@ -99,6 +99,12 @@ impl<S: Simd> core::ops::Mul<f32x8<S>> for Vec3x8<S> {
     fn mul(self, s: f32x8<S>) -> Self {
         Self { x: self.x * s, y: self.y * s, z: self.z * s }
     }
+}
+
+/// `yes` where the mask says so, else `no`.
+#[inline(always)]
+pub(crate) fn select<S: Simd>(mask: mask32x8<S>, yes: Vec3x8<S>, no: Vec3x8<S>) -> Vec3x8<S> {
+    Vec3x8 { x: mask.select(yes.x, no.x), y: mask.select(yes.y, no.y), z: mask.select(yes.z, no.z) }
 }
 
 /// A pose with its rotation as a matrix.

@@ -7,7 +7,7 @@ use glam::{DMat2, DVec3, Vec3};
 
 use crate::lanes::LANES;
 use crate::topology::{Along, Thread, threads};
-use crate::{Particles, Soa3, Topology};
+use crate::{Fabric, Particles, Soa3, Topology};
 
 mod elastic;
 
@@ -29,6 +29,16 @@ pub fn kinetic_energy(particles: &Particles) -> f64 {
 pub fn gravitational_energy(particles: &Particles, gravity: Vec3) -> f64 {
     let gravity = gravity.as_dvec3();
     -states(particles).map(|(mass, position, _)| mass * gravity.dot(position)).sum::<f64>()
+}
+
+/// Kinetic, elastic and gravitational energy together, J, in the middle of the last substep, where the velocities are those that the
+/// particles have: see [`crate::method::xpbd`]. With their places at its end it would go up and down by half a substep's work.
+pub fn total_energy(topology: &Topology, particles: &Particles, fabric: &Fabric, gravity: Vec3) -> f64 {
+    let mut middle = particles.clone();
+    for slot in 0..middle.slots() {
+        middle.position.set(slot, 0.5 * (particles.position.get(slot) + particles.previous.get(slot)));
+    }
+    kinetic_energy(particles) + elastic_energy(topology, &middle, fabric) + gravitational_energy(&middle, gravity)
 }
 
 /// Linear momentum `Σ m v`, kg·m/s.

@@ -4,16 +4,22 @@ use bevy::prelude::*;
 use cloth_solver::constraint::{Pin, Pins as SolverPins};
 use cloth_solver::{ClothError, Motion, Pose, Soa3, Topology};
 
+use super::follow::is_near;
 use super::placement::Placements;
-use super::relative;
 use super::select::select;
 use super::source::Skin;
+use super::{Follow, placed, relative};
 use crate::cloth::ClothFrame;
 use crate::pins::{PinTarget, Pins};
+use crate::step::ClothTick;
+use crate::teleport::Teleport;
 
 /// The field named when a pin's entity has no place in the world (yet): the one fault that can mend without a change
 /// of the pins.
 const TARGET_ENTITY: &str = "PinTarget::Entity";
+
+/// How far apart, in m and radians, rounding may bring what moves alike.
+const ROUNDING: f32 = 1e-3;
 
 /// What one frame of the solver's pins follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +29,12 @@ enum Anchor {
     /// The cloth's frame as it stood in the world when the pins were made. Held rather than the world's origin, so
     /// that pins far from the origin are as exact as those at it.
     World(Pose),
-    /// An entity, with its pose at the last tick.
-    Entity(Entity, Pose),
+    Entity {
+        entity: Entity,
+        follow: Follow,
+        /// The cloth's frame as seen from it when the pins were made.
+        home: Pose,
+    },
 }
 
 /// What the frames of a cloth's pins follow, in the order of [`SolverPins::frames`].
@@ -50,7 +60,7 @@ pub(crate) fn make(
     let mut anchors = Anchors::default();
     let mut taken = vec![false; topology.slots()];
     for group in &pins.0 {
-        let anchor = match group.to {
+        let mut anchor = match group.to {
             PinTarget::Cloth => Anchor::Cloth,
             PinTarget::World => Anchor::World(frame.pose),
             PinTarget::Entity(entity) => {
@@ -60,12 +70,13 @@ pub(crate) fn make(
                     value: entity.index_u32() as f32,
                     allowed: "an entity with a finite `Transform`",
                 })?;
-                Anchor::Entity(entity, placement.pose)
+                let (follow, home) = (Follow::new(placement.pose), relative(&placement.pose, &frame.pose));
+                Anchor::Entity { entity, follow, home }
             }
         };
         let index = anchors.0.iter().position(|known| *known == anchor).unwrap_or_else(|| {
+            made.frames.push(anchor.advance(frame));
             anchors.0.push(anchor);
-            made.frames.push(anchor.motion(frame, None));
             anchors.0.len() - 1
         });
         for slot in select(&group.select, topology, skin)? {
@@ -83,31 +94,139 @@ pub(crate) fn make(
 }
 
 impl Anchor {
-    /// How the anchor moves over this tick, seen from `frame`. `now` is the pose of the entity, if it has one.
-    fn motion(&self, frame: &ClothFrame, now: Option<Pose>) -> Motion {
+    /// Where it stands, and where it is moved to.
+    fn ends(&self, frame: &ClothFrame) -> [Pose; 2] {
+        match self {
+            Self::Cloth => [frame.pose, frame.follow.target],
+            Self::World(pose) => [*pose; 2],
+            Self::Entity { follow, .. } => [follow.pose, follow.target],
+        }
+    }
+
+    fn jumps(&self, frame: &ClothFrame, limits: &Teleport) -> bool {
+        match self {
+            Self::Cloth => frame.follow.jumps(limits),
+            Self::World(_) => false,
+            Self::Entity { follow, .. } => follow.jumps(limits),
+        }
+    }
+
+    /// Where the cloth's frame gets to if it goes along with this alone.
+    fn carried(&self, frame: &ClothFrame) -> Pose {
+        let [from, to] = self.ends(frame);
+        placed(&to, &relative(&from, &frame.pose))
+    }
+
+    /// Where this wants the rest shape, seen from the cloth's frame.
+    fn home(&self, frame: &ClothFrame) -> Pose {
+        match self {
+            Self::Cloth => Pose::IDENTITY,
+            Self::World(pose) => relative(&frame.pose, pose),
+            Self::Entity { follow, home, .. } => relative(&frame.pose, &placed(&follow.pose, home)),
+        }
+    }
+
+    /// Moves over this tick, and tells how, seen from `frame`.
+    fn advance(&mut self, frame: &ClothFrame) -> Motion {
         match self {
             Self::Cloth => Motion { from: frame.step(), to: Pose::IDENTITY },
             Self::World(pose) => Motion::at_rest(relative(&frame.pose, pose)),
-            Self::Entity(_, last) => {
-                let now = now.unwrap_or(*last);
-                Motion { from: relative(&frame.pose, last), to: relative(&frame.pose, &now) }
+            Self::Entity { follow, .. } => {
+                let from = relative(&frame.pose, &follow.pose);
+                Motion { from, to: relative(&frame.pose, &follow.advance()) }
             }
         }
     }
 }
 
 impl Anchors {
-    /// Moves the frames of the pins over this tick. An entity that is gone or nowhere leaves its pins where they are.
-    pub fn advance(&mut self, frame: &ClothFrame, placements: &Placements, frames: &mut [Motion]) {
-        for (anchor, motion) in self.0.iter_mut().zip(frames) {
-            let now = match anchor {
-                Anchor::Entity(entity, _) => placements.get(*entity).map(|p| p.pose).filter(Pose::is_finite),
-                _ => None,
-            };
-            *motion = anchor.motion(frame, now);
-            if let (Anchor::Entity(_, last), Some(now)) = (anchor, now) {
-                *last = now;
+    /// Sees the entities that pins hang on before the first of several fixed steps in one frame.
+    pub fn look(&mut self, placements: &Placements) {
+        self.see(placements, Follow::look);
+    }
+
+    /// Sees where they are in this tick. One that is gone or nowhere leaves its pins where they are.
+    pub fn aim(&mut self, placements: &Placements, tick: &ClothTick) {
+        self.see(placements, |follow, target| follow.aim(target, tick));
+    }
+
+    fn see(&mut self, placements: &Placements, see: impl Fn(&mut Follow, Pose)) {
+        for anchor in &mut self.0 {
+            if let Anchor::Entity { entity, follow, .. } = anchor {
+                let now = placements.get(*entity).map(|placement| placement.pose).filter(Pose::is_finite);
+                see(follow, now.unwrap_or(follow.target));
             }
         }
     }
+
+    /// Where the cloth's frame gets to if the cloth is carried along in this tick: if all that it hangs on jumps, and all
+    /// alike. That is what its pins follow, or without pins its own entity.
+    pub fn carried(&self, frame: &ClothFrame, pins: &[Pin], limits: &Teleport) -> Option<Pose> {
+        let own = frame.follow.jumps(limits);
+        if pins.is_empty() {
+            return own.then_some(frame.follow.target);
+        }
+        if !self.0.iter().any(|anchor| anchor.jumps(frame, limits))
+            || self.holding(pins).any(|(anchor, _)| !anchor.jumps(frame, limits))
+        {
+            return None;
+        }
+        let mean = mean(self.holding(pins).map(|(anchor, count)| (anchor.carried(frame), count)))?;
+        // What is left between each and the mean is motion, and must be no jump again.
+        let alike = |(anchor, _): (&Anchor, f32)| {
+            let [from, to] = anchor.ends(frame);
+            let there = placed(&mean, &relative(&frame.pose, &from));
+            is_near(&there, &to, limits.distance.max(ROUNDING), limits.angle.max(ROUNDING))
+        };
+        self.holding(pins).all(alike).then_some(mean)
+    }
+
+    /// Takes what jumps along with the cloth, whose frame goes from `from` to `to`.
+    pub fn carry(&mut self, from: &Pose, to: &Pose, limits: &Teleport) {
+        for anchor in &mut self.0 {
+            if let Anchor::Entity { follow, .. } = anchor
+                && follow.jumps(limits)
+            {
+                follow.carry(placed(to, &relative(from, &follow.pose)));
+            }
+        }
+    }
+
+    /// Moves the frames of the pins over this tick.
+    pub fn advance(&mut self, frame: &ClothFrame, frames: &mut [Motion]) {
+        for (anchor, motion) in self.0.iter_mut().zip(frames) {
+            *motion = anchor.advance(frame);
+        }
+    }
+
+    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where pins on other things hold it.
+    pub fn home(&self, frame: &ClothFrame, pins: &[Pin]) -> Pose {
+        if self.holding(pins).any(|(anchor, _)| *anchor == Anchor::Cloth) {
+            return Pose::IDENTITY;
+        }
+        mean(self.holding(pins).map(|(anchor, count)| (anchor.home(frame), count))).unwrap_or(Pose::IDENTITY)
+    }
+
+    /// Each that has pins, and how many.
+    fn holding(&self, pins: &[Pin]) -> impl Iterator<Item = (&Anchor, f32)> + Clone {
+        let count = |index| pins.iter().filter(|pin| pin.frame as usize == index).count() as f32;
+        self.0.iter().enumerate().map(move |(index, anchor)| (anchor, count(index))).filter(|(_, count)| *count > 0.0)
+    }
+}
+
+/// The mean of poses, each with its weight; exactly the one if all are the same.
+fn mean(poses: impl Iterator<Item = (Pose, f32)> + Clone) -> Option<Pose> {
+    let (first, _) = poses.clone().next()?;
+    if poses.clone().all(|(pose, _)| pose == first) {
+        return Some(first);
+    }
+    let (mut position, mut rotation, mut total) = (Vec3::ZERO, Quat::from_array([0.0; 4]), 0.0);
+    for (pose, weight) in poses {
+        // A rotation and its negative are the same.
+        let sign = if pose.rotation.dot(first.rotation) < 0.0 { -1.0 } else { 1.0 };
+        position += (pose.position - first.position) * weight;
+        rotation += pose.rotation * (sign * weight);
+        total += weight;
+    }
+    Some(Pose::new(first.position + position / total, rotation.normalize()))
 }

@@ -14,6 +14,7 @@ use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::damage::{Flammable, Tearable};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::teleport::Teleport;
 use crate::weights::Weights;
 
 /// A scale that changes by less than this part of itself is the same scale: taken out of the matrices of a turning
@@ -37,6 +38,7 @@ pub(crate) struct Authored {
     air: Option<Air>,
     wind: Option<Wind>,
     gusts: Option<Gusts>,
+    teleport: Option<Teleport>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
     /// What the shape still waits for.
@@ -107,6 +109,7 @@ pub(crate) struct Wanted {
     air: Option<Ref<'static, Air>>,
     wind: Option<Ref<'static, Wind>>,
     gusts: Option<Ref<'static, Gusts>>,
+    teleport: Option<Ref<'static, Teleport>>,
     grabs: Option<Ref<'static, Grabs>>,
     mesh: Option<&'static Mesh3d>,
     drawn: Option<&'static DrawnMesh>,
@@ -120,6 +123,7 @@ type SharedSettings<'a, 'w> = (
     &'a Res<'w, Shared<Substeps>>,
     &'a Res<'w, Shared<Wind>>,
     &'a Res<'w, Shared<Gusts>>,
+    &'a Res<'w, Shared<Teleport>>,
 );
 
 /// Whether an optional component is another one than was last seen. The change flag comes first, since a NaN is
@@ -197,10 +201,12 @@ impl WantedItem<'_, '_> {
                 || differs(&self.air, &seen.air)
                 || differs(&self.wind, &seen.wind)
                 || differs(&self.gusts, &seen.gusts)
+                || differs(&self.teleport, &seen.teleport)
                 || (self.gravity.is_none() && shared.0.is_changed())
                 || (self.substeps.is_none() && shared.1.is_changed())
                 || (self.wind.is_none() && shared.2.is_changed())
-                || (self.gusts.is_none() && shared.3.is_changed()),
+                || (self.gusts.is_none() && shared.3.is_changed())
+                || (self.teleport.is_none() && shared.4.is_changed()),
             grabs: match &self.grabs {
                 Some(grabs) => grabs.is_changed() || (seen.grabs_unchecked && running),
                 None => seen.faults.grabs.is_some(),
@@ -232,11 +238,12 @@ impl WantedItem<'_, '_> {
         seen.air = self.air.as_deref().copied();
         seen.wind = self.wind.as_deref().copied();
         seen.gusts = self.gusts.as_deref().copied();
+        seen.teleport = self.teleport.as_deref().copied();
         changes
     }
 
     /// Checks the settings that hold for this cloth, its own or the shared ones.
-    pub fn check_settings(&mut self, (gravity, substeps, wind, gusts): SharedSettings) {
+    pub fn check_settings(&mut self, (gravity, substeps, wind, gusts, teleport): SharedSettings) {
         let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
         let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
         let air = self.air.as_deref().map_or(Ok(()), Air::validate);
@@ -244,8 +251,9 @@ impl WantedItem<'_, '_> {
         let flammable = self.flammable.as_deref().map_or(Ok(()), Flammable::validate);
         let wind = self.wind.as_deref().unwrap_or(wind).validate();
         let gusts = self.gusts.as_deref().unwrap_or(gusts).validate();
+        let teleport = self.teleport.as_deref().unwrap_or(teleport).validate();
         self.authored.faults.settings =
-            gravity.and(substeps).and(tearable).and(flammable).and(air).and(wind).and(gusts).err();
+            gravity.and(substeps).and(tearable).and(flammable).and(air).and(wind).and(gusts).and(teleport).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -16,13 +16,14 @@ use super::anchors::{self, Anchors};
 use super::authored::{WaitsFor, Wanted, WantedItem};
 use super::placement::{Placement, Placements};
 use super::source::shape;
-use super::{ClothSkin, StepPlan};
+use super::{ClothSkin, Follow, StepPlan};
 use crate::air::Wind;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::events::ClothRejected;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::teleport::Teleport;
 use crate::weights::Loads;
 
 /// The runtime state of one cloth, as far as a change of fabric or pins touches it.
@@ -49,6 +50,7 @@ pub(crate) struct Surroundings<'w, 's> {
     substeps: Res<'w, Shared<Substeps>>,
     wind: Res<'w, Shared<Wind>>,
     gusts: Res<'w, Shared<Gusts>>,
+    teleport: Res<'w, Shared<Teleport>>,
 }
 
 /// Looks at every cloth and renews what changed, no more. In a quiet tick it only compares.
@@ -66,7 +68,7 @@ pub(crate) fn build(
             _ => None,
         }));
     }
-    let shared = (&around.gravity, &around.substeps, &around.wind, &around.gusts);
+    let shared = (&around.gravity, &around.substeps, &around.wind, &around.gusts, &around.teleport);
     for (mut wanted, mut running) in &mut cloths {
         let placement = around.placements.get(wanted.entity);
         let changes = wanted.notice(placement, around.meshes.as_deref(), &modified, shared, running.is_some());
@@ -156,7 +158,14 @@ impl WantedItem<'_, '_> {
     ) -> Result<impl Bundle + use<>, ClothError> {
         let fabric = self.fabric();
         let pose = placement.pose;
-        let frame = ClothFrame { pose, scale: placement.scale, before: pose, lost: false };
+        let frame = ClothFrame {
+            pose,
+            scale: placement.scale,
+            before: pose,
+            follow: Follow::new(pose),
+            carried: false,
+            lost: false,
+        };
         let SolverCloth { mut particles, mut constraints, contacts, .. } =
             SolverCloth::new(topology.0.clone(), &fabric)?;
         let history = ClothHistory { position: particles.position.clone(), strokes: Default::default() };

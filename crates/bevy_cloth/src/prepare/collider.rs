@@ -6,14 +6,19 @@ use cloth_solver::{ClothError, Fabric, Motion, Pose};
 
 use super::build::not_finite;
 use super::placement::{Placement, Placements};
-use super::{StepPlan, relative};
+use super::{Follow, StepPlan, relative};
 use crate::cloth::ClothFrame;
 use crate::collider::{ClothCollider, ColliderFriction};
 use crate::events::ColliderRejected;
 use crate::report::report;
+use crate::step::ClothTick;
+use crate::teleport::{Teleport, TeleportPolicy};
 
 /// A scale that changes by less than this part of itself is the same scale.
 const SCALE_TOLERANCE: f32 = 1e-4;
+
+/// From where on the move of a collider is a jump. However fast it turns, that is motion.
+const JUMP: Teleport = Teleport { distance: 0.75, angle: f32::INFINITY, policy: TeleportPolicy::CarryAlong };
 
 /// What became of a [`ClothCollider`].
 #[derive(Component, Clone, Debug, Default)]
@@ -22,8 +27,8 @@ pub(crate) struct ColliderState {
     seen: Option<(ClothCollider, Vec3)>,
     friction: Option<ColliderFriction>,
     shape: Option<Shape>,
-    /// Where it stood at the last tick, once it was seen there.
-    pose: Option<Pose>,
+    /// Where it stood at the last tick, and where it is on its way to, once it was seen.
+    pub follow: Option<Follow>,
     /// Its transform was not finite when last looked at.
     lost: bool,
 }
@@ -126,15 +131,17 @@ pub(crate) fn advance(
     mut colliders: Query<(Entity, &mut ColliderState), With<ClothCollider>>,
     mut cloths: Query<(&mut Contacts, &ClothFrame, Option<&Fabric>, &StepPlan)>,
     placements: Placements,
+    tick: Res<ClothTick>,
     mut placed: Local<Vec<Placed>>,
 ) {
     placed.clear();
     for (entity, mut state) in &mut colliders {
         let now = placements.get(entity).filter(Placement::is_finite).map(|placement| placement.pose);
-        let (Some(to), Some(shape)) = (now.or(state.pose), &state.shape) else { continue };
-        let (shape, friction) = (shape.clone(), state.friction.map(|friction| friction.0));
-        placed.push(Placed { entity, shape, from: state.pose.unwrap_or(to), to, friction });
-        state.pose = Some(to);
+        let ColliderState { shape: Some(shape), friction, follow, .. } = &mut *state else { continue };
+        let Some(target) = now.or(follow.map(|follow| follow.target)) else { continue };
+        let Motion { from, to } = follow.get_or_insert(Follow::new(target)).sweep(target, &tick);
+        let (shape, friction) = (shape.clone(), friction.map(|friction| friction.0));
+        placed.push(Placed { entity, shape, from, to, friction });
     }
     // The order in a query depends on what else was spawned, and the order of contacts on it down to the last bit.
     placed.sort_unstable_by_key(|collider| collider.entity);
@@ -154,9 +161,21 @@ pub(crate) fn advance(
     }
 }
 
+impl Follow {
+    /// How a solid moves over this tick. One that jumps was always where it ends: it strikes nothing on its way.
+    fn sweep(&mut self, target: Pose, tick: &ClothTick) -> Motion {
+        self.aim(target, tick);
+        if self.jumps(&JUMP) {
+            self.carry(target);
+        }
+        Motion { from: self.pose, to: self.advance() }
+    }
+}
+
+/// How a cloth sees a collider move. One that was carried along sees all at rest, or what went with it would strike it.
 fn seen_from(frame: &ClothFrame, collider: &Placed) -> Motion {
     let to = relative(&frame.pose, &collider.to);
-    if collider.from == collider.to {
+    if collider.from == collider.to || frame.carried {
         return Motion::at_rest(to);
     }
     Motion { from: relative(&frame.pose, &collider.from), to }

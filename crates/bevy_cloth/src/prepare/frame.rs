@@ -9,19 +9,16 @@ use cloth_solver::tick::{Effort, Pace};
 use cloth_solver::{Fabric, Method, Particles, Pose, Soa3, Substep, Tick};
 
 use super::placement::{Placement, Placements};
-use super::{Anchors, Authored};
+use super::{Anchors, Authored, Follow};
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces};
 use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
 use crate::report::report;
-use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::settings::{Grab, Grabs, Gravity, Shared, Substeps};
 use crate::step::ClothTick;
+use crate::teleport::{Teleport, TeleportPolicy};
 use crate::weights::Loads;
-
-/// A cloth whose frame goes farther than this in one tick, m, is taken along in the shape it has. At 640 m/s and more
-/// nothing could be simulated that anybody sees; it is a jump of the player or of the world's origin.
-const TELEPORT: f32 = 10.0;
 
 /// What one cloth does in this tick.
 #[derive(Component, Clone, Debug, Default)]
@@ -34,8 +31,8 @@ pub(crate) struct StepPlan {
     tick: Option<Tick>,
     pace: Pace,
     budget: Substeps,
-    /// Where each hand pulled to at the end of the last tick, in the world.
-    hands: Vec<(u32, Vec3)>,
+    /// Where each hand pulled to at the end of the last tick, in the world, and where it is on its way to.
+    hands: Vec<(u32, Follow)>,
 }
 
 impl StepPlan {
@@ -53,6 +50,25 @@ impl StepPlan {
             self.pace.begin(&tick, contacts.least_substeps(particles));
             self.tick = Some(tick);
         }
+    }
+
+    /// Sees the hands before the first of several fixed steps in one frame.
+    pub fn look(&mut self, grabs: Option<&Grabs>) {
+        for grab in grabs.iter().flat_map(|grabs| &grabs.0) {
+            if let Some((_, follow)) = self.hands.iter_mut().find(|(hand, _)| *hand == grab.hand) {
+                follow.look(pulled_to(grab));
+            }
+        }
+    }
+
+    /// The hand of `grab`, as it was a tick ago if there was one.
+    fn hand(&mut self, grab: &Grab) -> &mut Follow {
+        let known = self.hands.iter().position(|(hand, _)| *hand == grab.hand);
+        let index = known.unwrap_or_else(|| {
+            self.hands.push((grab.hand, Follow::new(pulled_to(grab))));
+            self.hands.len() - 1
+        });
+        &mut self.hands[index].1
     }
 
     /// Goes on to the next substep, if there is one.
@@ -90,6 +106,7 @@ pub(crate) struct Ticking {
     grabs: Option<&'static Grabs>,
     substeps: Option<&'static Substeps>,
     method: Option<&'static Method>,
+    teleport: Option<&'static Teleport>,
 }
 
 /// Moves frames, pins and hands, keeps the shape for drawing between ticks, and plans the substeps.
@@ -97,8 +114,8 @@ pub(crate) fn advance(
     mut cloths: Query<Ticking, Without<ClothRejection>>,
     mut rejected: Query<&mut StepPlan, With<ClothRejection>>,
     placements: Placements,
-    substeps: Res<Shared<Substeps>>,
-    method: Res<Shared<Method>>,
+    (substeps, method): (Res<Shared<Substeps>>, Res<Shared<Method>>),
+    teleport: Res<Shared<Teleport>>,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
@@ -112,7 +129,8 @@ pub(crate) fn advance(
             continue;
         }
         let lost = cloth.frame.lost;
-        cloth.move_frame(placements.get(cloth.entity));
+        let teleport = *cloth.teleport.unwrap_or(&teleport);
+        cloth.move_frame(&placements, &tick, &teleport);
         if !fault::is_finite(&cloth.particles) {
             cloth.recover();
             report(&mut commands, ClothRecovered { entity: cloth.entity });
@@ -121,25 +139,39 @@ pub(crate) fn advance(
         }
         cloth.history.position.copy_from(&cloth.particles.position);
         let frame = *cloth.frame;
-        cloth.anchors.advance(&frame, &placements, cloth.constraints.pin_frames_mut());
-        cloth.move_hands(&frame);
+        cloth.anchors.advance(&frame, cloth.constraints.pin_frames_mut());
+        if frame.carried && teleport.policy == TeleportPolicy::Reset {
+            cloth.put_to_rest();
+        }
+        cloth.move_hands(&frame, &tick);
         cloth.set_method(cloth.method.copied().unwrap_or(method.0));
         cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps));
     }
 }
 
 impl TickingItem<'_, '_> {
-    /// Moves the frame to where the entity stands now. Everything that is not pinned keeps its place in the world,
-    /// unless the frame jumps.
-    fn move_frame(&mut self, placement: Option<Placement>) {
+    /// Moves the frame to where the entity stands now, or on its way there. Everything that is not pinned keeps its place in
+    /// the world, unless what the cloth hangs on jumps.
+    fn move_frame(&mut self, placements: &Placements, tick: &ClothTick, teleport: &Teleport) {
+        let placement = placements.get(self.entity);
         let frame = &mut *self.frame;
         let finite = placement.filter(Placement::is_finite);
         frame.lost = placement.is_some() && finite.is_none();
-        frame.before = frame.pose;
-        frame.pose = finite.map_or(frame.pose, |placement| placement.pose);
-        if frame.pose.position.distance(frame.before.position) > TELEPORT {
-            frame.before = frame.pose;
+        frame.follow.aim(finite.map_or(frame.follow.target, |placement| placement.pose), tick);
+        self.anchors.aim(placements, tick);
+        let carried = match teleport.policy {
+            TeleportPolicy::Simulate => None,
+            _ => self.anchors.carried(frame, &self.constraints.pins().pins, teleport),
+        };
+        if let Some(to) = carried {
+            self.anchors.carry(&frame.pose, &to, teleport);
+            if frame.follow.jumps(teleport) {
+                frame.follow.carry(to);
+            }
         }
+        frame.carried = carried.is_some();
+        frame.before = carried.unwrap_or(frame.pose);
+        frame.pose = frame.follow.advance();
         if frame.pose != frame.before {
             let step = frame.step();
             let particles = &mut *self.particles;
@@ -156,6 +188,16 @@ impl TickingItem<'_, '_> {
         fault::recover(&topology.0, &fabric, loads, particles, constraints, history);
     }
 
+    /// Puts it in its rest shape where its pins end this tick. They stand in it.
+    fn put_to_rest(&mut self) {
+        let Self { topology, frame, particles, constraints, history, anchors, .. } = self;
+        for motion in constraints.pin_frames_mut() {
+            motion.from = motion.to;
+        }
+        let place = anchors.home(frame, &constraints.pins().pins);
+        reset(particles, history, &topology.rest, constraints, &place);
+    }
+
     /// Goes on with `method` in the shape and at the speed it has.
     fn set_method(&mut self, method: Method) {
         if self.constraints.method() != method {
@@ -164,28 +206,34 @@ impl TickingItem<'_, '_> {
     }
 
     /// Hands the grabs over to the solver in the cloth's frame, moving from where they pulled a tick ago.
-    fn move_hands(&mut self, frame: &ClothFrame) {
+    fn move_hands(&mut self, frame: &ClothFrame, tick: &ClothTick) {
         let (solver, plan) = (&mut self.constraints.grabs, &mut *self.plan);
         solver.clear();
         let Some(grabs) = self.grabs else {
             plan.hands.clear();
             return;
         };
+        plan.hands.retain(|(hand, _)| grabs.0.iter().any(|grab| grab.hand == *hand));
         for grab in &grabs.0 {
+            let hand = plan.hand(grab);
+            hand.aim(pulled_to(grab), tick);
+            let [from, to] = [hand.pose, hand.advance()].map(|pose| frame.to_local(pose.position));
             let Some(&particles) = self.topology.triangles.get(grab.triangle as usize) else { continue };
-            let before = plan.hands.iter().find(|(hand, _)| *hand == grab.hand).map_or(grab.target, |(_, at)| *at);
             solver.push(SolverGrab {
                 particles,
                 weights: grab.weights.to_array(),
-                from: frame.to_local(before),
-                to: frame.to_local(grab.target),
+                from,
+                to,
                 stiffness: grab.stiffness,
                 max_force: grab.max_force,
             });
         }
-        plan.hands.clear();
-        plan.hands.extend(grabs.0.iter().map(|grab| (grab.hand, grab.target)));
     }
+}
+
+/// A hand has no orientation.
+fn pulled_to(grab: &Grab) -> Pose {
+    Pose::new(grab.target, Quat::IDENTITY)
 }
 
 /// Takes every point from the frame that `step` places to the frame it is placed in.
@@ -209,10 +257,16 @@ pub(crate) fn weigh(
     }
 }
 
-/// Puts a cloth back to its rest pose, pinned particles to where their pins are.
-pub(crate) fn reset(particles: &mut Particles, history: &mut ClothHistory, rest: &[Vec3], constraints: &Constraints) {
+/// Puts a cloth back to its rest pose at `place`, pinned particles to where their pins are.
+fn reset(
+    particles: &mut Particles,
+    history: &mut ClothHistory,
+    rest: &[Vec3],
+    constraints: &Constraints,
+    place: &Pose,
+) {
     for (slot, rest) in rest.iter().enumerate() {
-        particles.position.set(slot, *rest);
+        particles.position.set(slot, place.point(*rest));
     }
     let pins = constraints.pins();
     for pin in &pins.pins {
@@ -234,6 +288,8 @@ pub(crate) struct Resettable {
     contacts: &'static mut Contacts,
     constraints: &'static Constraints,
     topology: &'static ClothTopology,
+    frame: &'static ClothFrame,
+    anchors: &'static Anchors,
     authored: &'static mut Authored,
     is_damaged: Has<ClothPieces>,
     fire: Option<&'static ClothFire>,
@@ -242,7 +298,8 @@ pub(crate) struct Resettable {
 /// Answers [`ResetCloth`]. A cloth that was taken apart is built anew.
 pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut commands: Commands) {
     if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
-        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints);
+        let place = cloth.anchors.home(cloth.frame, &cloth.constraints.pins().pins);
+        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints, &place);
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
         if cloth.is_damaged || cloth.fire.is_some_and(|fire| fire.scarred || fire.is_warm()) {
             cloth.authored.forget_shape();

@@ -4,6 +4,7 @@ mod anchors;
 mod authored;
 mod build;
 mod collider;
+mod follow;
 mod frame;
 mod placement;
 mod select;
@@ -22,6 +23,7 @@ use crate::schedule::{ClothSchedule, ClothSystems};
 pub(crate) use anchors::Anchors;
 pub(crate) use authored::Authored;
 pub(crate) use collider::ColliderState;
+pub(crate) use follow::Follow;
 pub(crate) use frame::StepPlan;
 #[cfg(feature = "render")]
 pub(crate) use placement::Placements;
@@ -32,6 +34,14 @@ pub(crate) use wind_source::WindSources;
 /// `frame⁻¹ ∘ other`, exactly the identity if both are the same: what did not move must not move by a rounding.
 pub(crate) fn relative(frame: &Pose, other: &Pose) -> Pose {
     if frame == other { Pose::IDENTITY } else { frame.inverse_pose(other) }
+}
+
+/// `frame ∘ inner`: what stands at `inner` as seen from `frame`, as seen from where `frame` is seen from.
+pub(crate) fn placed(frame: &Pose, inner: &Pose) -> Pose {
+    if *inner == Pose::IDENTITY {
+        return *frame;
+    }
+    Pose::new(frame.point(inner.position), (frame.rotation * inner.rotation).normalize())
 }
 
 /// What [`ClothSystems::Build`] does, on one thread.
@@ -57,7 +67,10 @@ pub(crate) struct DrawnMesh {
 }
 
 /// Adds the systems of this folder.
-pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel) {
+pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop: bool) {
+    if in_fixed_loop {
+        app.add_systems(FixedFirst, follow::look.before(ClothSystems::Build));
+    }
     let winds = (wind_source::build::<Fan>, wind_source::build::<WindZone>);
     app.init_resource::<WindSources>()
         .init_resource::<air::SharedWind>()

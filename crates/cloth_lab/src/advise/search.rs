@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_holds_a_stiff_sheet_up_is_needed_and_ground_far_below_is_not() {
-        let (full, ladder, cheapest) = searched(PAPER, 0.01);
+        let (full, ladder, cheapest) = searched(PAPER, 0.005);
         assert!(!can_go(&full, &ladder, &Change::NoBending));
         assert!(can_go(&full, &ladder, &Change::NoColliders(vec![0])));
         assert!(can_go(&full, &ladder, &Change::NoFriction));

@@ -20,6 +20,9 @@ pub enum Judged {
     /// A motion: largest strain and shape for as long as the reference is sure of itself. Wrinkles grow from rounding to
     /// centimetres within tenths of a second; beyond, no two runs agree.
     Motion,
+    /// A motion that soon is chaos: shape for as long as the reference is sure of itself, and the largest strain that is passed in
+    /// a twentieth of all ticks of the run.
+    Wind,
     /// A motion whose energy is compared, too.
     Whip,
     /// A small swing: its energy, its period and what is left of its amplitude too.
@@ -38,15 +41,25 @@ impl Judged {
 pub struct Case {
     /// Its name on the command line and in the tables.
     pub name: &'static str,
-    /// What is played. One cloth, a rectangle of 1 × 1 m.
+    /// What is played. One cloth, a rectangle: of 1 × 1 m, but for the ribbon.
     pub scene: Scene,
     /// What is compared.
     pub judged: Judged,
 }
 
 /// The names of all cases, in their order.
-pub const NAMES: [&str; 8] =
-    ["top-hung", "corner-hung", "swing", "drape", "weight", "flag", "small-swing", "weight-corners"];
+pub const NAMES: [&str; 10] = [
+    "top-hung",
+    "corner-hung",
+    "swing",
+    "drape",
+    "weight",
+    "flag",
+    "small-swing",
+    "weight-corners",
+    "flag-at-rest",
+    "ribbon",
+];
 
 /// All cases, on `cells` × `cells` cells at 60 Hz:
 ///
@@ -55,9 +68,11 @@ pub const NAMES: [&str; 8] =
 /// - `swing`: by its top edge, with cotton's own internal friction, let go horizontally, 2 s;
 /// - `drape`: laid on a ball of 25 cm, a little off its middle, 0.6 s;
 /// - `weight`: `top-hung` with 1000 particle masses on a free corner, at rest;
-/// - `flag`: a flag of knitted polyester by its left edge in a wind of 6 m/s, 0.5 s;
+/// - `flag`: a flag of knitted polyester by its left edge in a wind of 6 m/s, 8 s;
 /// - `small-swing`: by its top edge, undamped, let go at 5°, 5 s;
-/// - `weight-corners`: `corner-hung` with the weight of `weight`.
+/// - `weight-corners`: `corner-hung` with the weight of `weight`;
+/// - `flag-at-rest`: the flag by its left edge, without wind, at rest;
+/// - `ribbon`: a strip of cotton poplin of 1 m, 4 columns × 60 rows of square cells, by its top edge, at rest.
 pub fn cases(cells: u32) -> Vec<Case> {
     NAMES.iter().map(|name| case(name, cells)).collect()
 }
@@ -68,6 +83,11 @@ fn case(name: &'static str, cells: u32) -> Case {
     let cloth = SceneCloth { name: name.into(), cells: UVec2::splat(cells), ..SceneCloth::default() };
     let hung = |pins| SceneCloth { pins: vec![pins], damping: Some(SETTLING), ..cloth.clone() };
     let turned = |degrees| ScenePlace { turn: Vec3::X * degrees, ..ScenePlace::default() };
+    let flag = SceneCloth {
+        fabric: SceneFabric::Preset("Flag, knitted polyester".into()),
+        pins: vec![ScenePins::Left],
+        ..cloth.clone()
+    };
     let swung = |degrees| SceneCloth { place: turned(degrees), damping: Some(0.0), ..hung(ScenePins::Top) };
     let scene = |cloth, seconds| Scene { title: name.into(), seconds, cloths: vec![cloth], ..Scene::default() };
     let (scene, judged) = match name {
@@ -84,13 +104,16 @@ fn case(name: &'static str, cells: u32) -> Case {
         }
         "weight" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Top) }, 3.0), Judged::Rest),
         "flag" => {
-            let fabric = SceneFabric::Preset("Flag, knitted polyester".into());
-            let flag = SceneCloth { fabric, pins: vec![ScenePins::Left], ..cloth.clone() };
             let wind = Vec3::new(6.0, 0.0, 0.5);
-            (Scene { air: Some(Air::default()), wind, ..scene(flag, 0.5) }, Judged::Motion)
+            (Scene { air: Some(Air::default()), wind, ..scene(flag, 8.0) }, Judged::Wind)
         }
         "small-swing" => (scene(swung(5.0), 5.0), Judged::Swing),
         "weight-corners" => (scene(SceneCloth { weights: weight, ..hung(ScenePins::Corners) }, 3.0), Judged::Rest),
+        "flag-at-rest" => (scene(SceneCloth { damping: Some(SETTLING), ..flag }, 3.0), Judged::Rest),
+        "ribbon" => {
+            let cells = UVec2::new(4, 60);
+            (scene(SceneCloth { cells, size: Vec2::new(4.0 / 60.0, 1.0), ..hung(ScenePins::Top) }, 3.0), Judged::Rest)
+        }
         _ => (scene(hung(ScenePins::Top), 3.0), Judged::Rest),
     };
     Case { name, scene, judged }

@@ -123,7 +123,9 @@ fn apply(cloth: &mut Cloth, change: &str) -> Option<()> {
             let slits = if change == CHANGES[3] { 2 } else { 1 };
             for column in [grid.columns / 2, grid.columns / 4].into_iter().take(slits) {
                 let x = 0.5 * (at(column, 0).x + at(column + 1, 0).x);
-                let (low, high) = (at(0, grid.rows - 1).y - 1.0, at(0, grid.rows - 1 - SLIT).y);
+                // In a sheet of fewer rows through all but the first.
+                let end = (grid.rows - 1).saturating_sub(SLIT).max(1);
+                let (low, high) = (at(0, grid.rows - 1).y - 1.0, at(0, end).y);
                 let ray = |y: f32| [Vec3::new(x, y, 10.0), Vec3::new(x, y, -10.0)];
                 cloth.cut(&Blade { from: ray(low), to: ray(high) })?;
             }

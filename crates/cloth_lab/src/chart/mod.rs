@@ -5,6 +5,7 @@ pub mod extras;
 pub mod fit;
 pub mod record;
 pub mod run;
+pub mod settle;
 pub mod truth;
 mod write;
 
@@ -90,8 +91,40 @@ pub fn run(args: &Args) -> Result<(), LabError> {
     if let Some((case, Some(truth))) = quiet {
         costs = methods.iter().flat_map(|method| extras::costs(case, truth, *method)).collect();
     }
-    let found = write::Found { cases: &cases, truths: &truths, points: &points, costs: &costs, methods: &methods };
+    let settled = settled(&cases, &truths, &methods, limit);
+    let found = write::Found {
+        cases: &cases,
+        truths: &truths,
+        points: &points,
+        costs: &costs,
+        settled: &settled,
+        methods: &methods,
+    };
     write::write(&found, &args.output)?;
     println!("{} points; results in {}", points.len(), args.output.out.display());
     Ok(())
+}
+
+/// From flat to rest, in the cases that are judged at rest, by the methods that hold cloth at the budget of a game.
+fn settled(
+    cases: &[case::Case],
+    truths: &[Option<truth::Truth>],
+    methods: &[Method],
+    limit: f64,
+) -> Vec<settle::Settled> {
+    let rests = cases.iter().zip(truths).filter(|(case, _)| case.judged == case::Judged::Rest);
+    let jobs: Vec<_> = rests
+        .filter_map(|(case, truth)| Some((case, truth.as_ref()?)))
+        .flat_map(|job| methods.iter().filter(|method| !method.steps_forces()).map(move |method| (job, *method)))
+        .flat_map(|(job, method)| settle::SUBSTEPS.map(|substeps| (job, method, substeps)))
+        .collect();
+    let bar = progress::bar(jobs.len() as u64);
+    let settled = jobs.into_iter().filter_map(|((case, truth), method, substeps)| {
+        bar.set_message(format!("{} from flat, {}", case.name, method.name()));
+        bar.inc(1);
+        settle::settle(case, truth, method, substeps, limit)
+    });
+    let settled = settled.collect();
+    bar.finish_and_clear();
+    settled
 }

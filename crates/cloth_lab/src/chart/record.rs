@@ -7,6 +7,8 @@ use super::fit::sinusoid;
 
 /// Ticks at the end of a run over which rest is judged.
 const LAST: usize = 30;
+/// Part of all ticks in which the strain of cloth in wind is smaller than the one that is compared.
+const MOSTLY: f64 = 0.95;
 /// Part of a small swing, at its end, over which its amplitude is taken, s.
 const LAST_SWING: f64 = 2.0;
 
@@ -49,9 +51,15 @@ pub struct Difference {
 }
 
 impl Record {
-    /// Largest strain: at rest that of the last half second, in motion that of the first `until` ticks.
+    /// Largest strain: at rest that of the last half second, in motion that of the first `until` ticks, in wind the one that is
+    /// passed in a twentieth of all ticks.
     pub fn strain_of(&self, case: &Case, until: usize) -> f64 {
         let count = self.strain.len();
+        if case.judged == Judged::Wind {
+            let mut sorted = self.strain.clone();
+            sorted.sort_by(f64::total_cmp);
+            return sorted.get((MOSTLY * count as f64) as usize).copied().unwrap_or(f64::NAN);
+        }
         let compared =
             if case.judged == Judged::Rest { count.saturating_sub(LAST)..count } else { 0..until.min(count) };
         self.strain[compared].iter().copied().fold(0.0, f64::max)
@@ -63,6 +71,8 @@ impl Record {
             let target = truth.strain_of(case, until);
             let last = &self.strain[self.strain.len().saturating_sub(LAST)..];
             last.iter().map(|strain| (strain - target).abs()).fold(0.0, f64::max)
+        } else if case.judged == Judged::Wind {
+            (self.strain_of(case, until) - truth.strain_of(case, until)).abs()
         } else {
             let pairs = self.strain.iter().zip(&truth.strain).take(until);
             pairs.map(|(strain, other)| (strain - other).abs()).fold(0.0, f64::max)
@@ -120,6 +130,14 @@ mod tests {
         assert!((rest.shape_max - 3.0).abs() < 1e-9 && (rest.shape_rms - 3.0 / 2_f64.sqrt()).abs() < 1e-9);
         assert_eq!(run.against(&truth, &case("drape"), 10, 0.0).strain_error, 0.0);
         assert!((run.against(&truth, &case("drape"), 11, 0.0).strain_error - 0.49).abs() < 1e-12);
+    }
+
+    #[test]
+    fn in_wind_the_strain_counts_that_is_passed_in_a_twentieth_of_all_ticks() {
+        let record = |strain: Vec<f64>| Record { strain, shape: vec![DVec3::ZERO], ..Record::default() };
+        let truth = record((0..100).map(|tick| f64::from((tick * 37) % 100)).collect());
+        assert_eq!(truth.strain_of(&case("flag"), 1), 95.0);
+        assert_eq!(record(vec![90.0; 100]).against(&truth, &case("flag"), 1, 0.0).strain_error, 5.0);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use cloth_scene::ScenePins;
 use glam::DVec3;
 use indicatif::ProgressBar;
 
@@ -68,8 +69,8 @@ pub fn truth(case: &Case) -> Option<Truth> {
 fn at_rest(case: &Case, sheet: &Sheet) -> Truth {
     let bulge = |p: &DVec3| *p + DVec3::Z * BULGE * (PI * p.x).cos() * (0.5 - p.y);
     // Hung by its whole top edge a sheet stays flat.
-    let may_fold = sheet.pinned.iter().filter(|pinned| **pinned).count() < sheet.columns
-        || !case.scene.cloths[0].weights.is_empty();
+    let cloth = &case.scene.cloths[0];
+    let may_fold = cloth.pins != [ScenePins::Top] || !cloth.weights.is_empty();
     let from = sheet.flat.iter().map(|p| if may_fold { bulge(p) } else { *p }).collect();
     let rest = rest(sheet, from);
     let strain = sheet.largest_strain(&rest.x);

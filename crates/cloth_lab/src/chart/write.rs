@@ -7,6 +7,7 @@ use cloth_solver::Method;
 use super::case::Case;
 use super::extras::Cost;
 use super::run::{Outcome, Point};
+use super::settle::Settled;
 use super::truth::Truth;
 use crate::LabError;
 use crate::plot::{Axis, Figure, Look, MANY, Panel, SINGLE, Series, Stroke};
@@ -56,6 +57,8 @@ pub struct Found<'a> {
     pub points: &'a [Point],
     /// The cost of changes at run time.
     pub costs: &'a [Cost],
+    /// How the methods come to rest from flat.
+    pub settled: &'a [Settled],
     /// The methods, in their order.
     pub methods: &'a [Method],
 }
@@ -170,7 +173,8 @@ fn markdown(found: &Found) -> String {
              simulated second. A setting is substeps × iterations. The largest strain error is a difference of strains \
              (1 % of rest length, not of the strain); the shape error is the root mean square distance of all particles. \
              Rest is judged from the reference's rest on, over the last half second of three; motions for as long as \
-             the reference's two step lengths agree (see its table), since wrinkles make chaos of them after that. What the solver does once a tick (internal friction) counts \
+             the reference's two step lengths agree (see its table), since wrinkles make chaos of them after that; of the flag, which runs for 8 s, the strain is the one that the \
+             largest strain passes in a twentieth of all ticks. What the solver does once a tick (internal friction) counts \
              as error like everything else.\n\n![time against strain error](chart_strain.svg)\n\n\
              ![time against shape error](chart_shape.svg)\n\n## Time at equal error\n\nLeast time (ms per simulated \
              second) among the settings that reach it, and that setting; – where none does.\n";
@@ -182,6 +186,10 @@ fn markdown(found: &Found) -> String {
              the largest within the run over that at the start. Small swing: period and amplitude over the reference's, of \
              sinusoids fitted to the middle of the lower edge, the amplitude in the last two seconds.\n\n";
     text += &swings(found).markdown();
+    text += "\n## From flat to rest\n\nThe cases that are judged at rest, from a millimetre off flat: when the rms speed falls below \
+             0.03 m/s for half a second, – if not within 20 s; the strain error there; and how far off the reference's rest that \
+             is: folds may lie another way.\n\n";
+    text += &settled(found).markdown();
     text +=
         "\n## Time of one constraint\n\nLeast median over all settings and scenes, ns per constraint and solve.\n\n";
     text += &per_constraint(found).markdown();
@@ -236,6 +244,21 @@ fn swings(found: &Found) -> Table {
                 told(d.energy_most),
             ]));
         }
+    }
+    table
+}
+
+fn settled(found: &Found) -> Table {
+    let mut table = Table::new(["scene", "method", "setting", "time to rest, s", "strain error, %", "shape error, mm"]);
+    for settled in found.settled {
+        table.push([
+            settled.case.to_owned(),
+            settled.method.name().to_owned(),
+            settled.setting.to_string(),
+            settled.time.map_or("–".into(), |time| number(time, 3)),
+            number(100.0 * settled.strain_error, 3),
+            number(settled.shape_rms, 3),
+        ]);
     }
     table
 }

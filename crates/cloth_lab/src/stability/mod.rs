@@ -1,6 +1,8 @@
-//! Maps of where methods fail: step length and stiffness, substeps and mass ratio, substeps and mesh size.
+//! Maps of where methods fail: step length and stiffness, substeps and mass ratio, substeps and mesh size; and which of
+//! random cloths come to rest.
 
 mod maps;
+pub mod random;
 mod trial;
 mod verdict;
 mod write;
@@ -33,6 +35,12 @@ pub struct Args {
     /// Maps to draw, separated by commas. Default: all.
     #[arg(long, value_delimiter = ',', value_parser = kind, value_name = "LIST")]
     pub scenes: Vec<Kind>,
+    /// In place of the maps: plays this many random cloths and tells which of them come to rest.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub random: Option<u32>,
+    /// Seed of the first random cloth; the others have those after it.
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    pub seed: u64,
 }
 
 /// The map of that name.
@@ -81,6 +89,9 @@ pub fn checks(methods: &[Method]) -> Vec<Check> {
 /// # Errors
 /// A file that could not be written.
 pub fn run(args: &Args) -> Result<(), LabError> {
+    if let Some(count) = args.random {
+        return random::run(count, args.seed, &args.output);
+    }
     let methods = chart::methods(&args.methods);
     let wall = if args.quick { 0.04 } else { 0.6 };
     let kinds: Vec<Kind> = if args.scenes.is_empty() { Kind::ALL.to_vec() } else { args.scenes.clone() };

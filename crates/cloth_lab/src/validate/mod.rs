@@ -3,12 +3,13 @@
 mod air;
 mod cantilever;
 pub mod closed;
+mod conserved;
 mod contact;
 mod damage;
 mod fan;
 pub mod finding;
 mod fire;
-mod hang;
+pub mod hang;
 mod motion;
 mod plane;
 pub mod rig;
@@ -67,6 +68,9 @@ const CHECKS: &[Check] = &[
     ("fan: panel", fan::panel),
     ("gusts", fan::gusts),
     ("conservation", motion::conservation),
+    ("crumpled: momentum", conserved::momentum),
+    ("swing: energy", conserved::swing),
+    ("falling flag: energy", conserved::flag),
     ("free fall", motion::fall),
     ("mesh and step independence", hang::refined),
 ];

@@ -22,14 +22,8 @@ pub fn conservation(bench: &mut Bench) -> Result<(), ClothError> {
             cloth.particles.velocity.set(slot, Vec3::new(0.05, 0.0, 0.02) + spin.cross(rest) + flap);
         }
         let about = |cloth: &cloth_solver::Cloth| measure::centre_of_mass(&cloth.particles);
-        // Velocities are those in the middle of the last substep, Δx/h: to take positions at its end would count the energy
-        // that flows from one form into the other within half a substep as a gain.
         let energy = |cloth: &cloth_solver::Cloth| {
-            let mut middle = cloth.particles.clone();
-            for slot in 0..middle.slots() {
-                let [from, to] = [&cloth.particles.previous, &cloth.particles.position].map(|x| x.get(slot));
-                middle.position.set(slot, from.midpoint(to));
-            }
+            let middle = rig::midway(cloth);
             measure::kinetic_energy(&middle) + measure::elastic_energy(&cloth.topology, &middle, &fabric)
         };
         let linear: DVec3 = measure::linear_momentum(&cloth.particles);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::topology::{MeshSource, Resolution};
-use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Tick, Topology, measure};
+use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Particles, Tick, Topology, measure};
 use glam::{UVec2, Vec2, Vec3};
 
 /// Gravity of every check, m/s².
@@ -37,6 +37,30 @@ pub fn mesh(positions: &[Vec3], triangles: &[[u32; 3]], fabric: &Fabric, method:
     Ok(cloth)
 }
 
+/// A sheet in the xy plane about the origin of `columns` × `rows` quads whose corners lie up to a quarter of a cell off their
+/// places, those of the border along it, each cut one way or the other: positions, m, and triangles.
+pub fn irregular(size: Vec2, [columns, rows]: [u32; 2], seed: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let noise = |i: u32| {
+        let mixed = (i ^ seed.wrapping_mul(0x85eb_ca6b)).wrapping_mul(2_654_435_761);
+        f32::from((mixed >> 16) as u16) / 65_536.0 - 0.5
+    };
+    let at = |i: u32, j: u32| j * (columns + 1) + i;
+    let cells = Vec2::new(columns as f32, rows as f32);
+    let off = |inner: bool, i: u32| if inner { 0.5 * noise(i) } else { 0.0 };
+    let place = |i: u32, j: u32| {
+        let off =
+            Vec2::new(off((1..columns).contains(&i), 2 * at(i, j)), off((1..rows).contains(&j), 2 * at(i, j) + 1));
+        (((Vec2::new(i as f32, j as f32) + off) / cells - 0.5) * size).extend(0.0)
+    };
+    let positions = (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| place(i, j)).collect();
+    let quads = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+    let triangles = quads.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        if noise(7 * a + 3) > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    });
+    (positions, triangles.collect())
+}
+
 /// Moves every particle from its rest position to where `place` says, at rest.
 pub fn put(cloth: &mut Cloth, place: impl Fn(Vec3) -> Vec3) {
     for slot in 0..cloth.topology.slots() {
@@ -44,6 +68,17 @@ pub fn put(cloth: &mut Cloth, place: impl Fn(Vec3) -> Vec3) {
         cloth.particles.position.set(slot, to);
         cloth.particles.previous.set(slot, to);
     }
+}
+
+/// The particles in the middle of the last substep, where their velocities are those of: to take positions at its end would
+/// count what flows from one form of energy into another within half a substep as a gain.
+pub fn midway(cloth: &Cloth) -> Particles {
+    let mut middle = cloth.particles.clone();
+    for slot in 0..middle.slots() {
+        let [from, to] = [&cloth.particles.previous, &cloth.particles.position].map(|x| x.get(slot));
+        middle.position.set(slot, from.midpoint(to));
+    }
+    middle
 }
 
 /// Pins the particles whose rest position is `held`, where they are.

@@ -30,6 +30,9 @@ const NOTES: &str = "\
 - **Fan.** The free round jet on its axis, across, and integrated over its cross-section; the force is that on a
   panel of cloth.
 - **Gusts.** Means over many places; divergence and gradient by differences over 1 cm.
+- **Momentum and energy** are taken in the middle of the last substep, where velocities are those of. A crumpled sheet's
+  momenta are told in parts of the sums of its particles' amounts. A rise of energy is the largest from any tick to one within
+  a second after it; the flag's first fall ends where its centre of mass first rises again.
 - **Frame rates** need no check here: the solver takes ticks of a fixed length and knows no frame.
 - **\"Fails by nature\"**: projection's stiffness is that of its steps, and one sweep of XPBD leaves a compliance of h²/m.
 

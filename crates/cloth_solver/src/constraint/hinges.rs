@@ -91,7 +91,7 @@ impl<S: Simd> Eight<S> {
         Self {
             moves: [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c), gather3(simd, moved, d)],
             x: [
-                origin - origin,
+                Vec3x8::splat(simd, glam::Vec3::ZERO),
                 gather3(simd, position, b) - origin,
                 gather3(simd, position, c) - origin,
                 gather3(simd, position, d) - origin,

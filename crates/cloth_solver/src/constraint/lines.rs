@@ -18,7 +18,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::wear::Links;
 use crate::Soa3;
-use crate::lanes::{LANES, Vec3x8, load, splat, store, transpose};
+use crate::lanes::{LANES, Vec3x8, load, select, splat, store, transpose};
 
 /// T h²/(m l) up to which the waves across a line are left as they are; beyond, they are slowed: see [`filter`].
 pub(crate) const UNFILTERED_LOAD: f32 = 0.15;
@@ -26,9 +26,9 @@ pub(crate) const UNFILTERED_LOAD: f32 = 0.15;
 /// How strongly what is beyond is filtered: the waves of both directions together stay below the limit, `2 (4 E + 1/θ) < 4`.
 const FILTER: f32 = 0.8;
 
-/// 1 − cos of the turn within a substep up to which a link pulls along the direction it had when the substep began; beyond three
-/// times as much, which takes a storm and all substeps that there may be, it pulls along the one it is predicted to have.
-const CALM_TURN: f32 = 0.06;
+/// Cosine of the turn within a substep from which on a link is pulled along the direction that it is predicted to have: see
+/// [`stretch`]. It takes more motion than the most substeps resolve.
+pub(super) const TURNED: f32 = 0.5;
 
 /// α̃, 1/kg, of what is no link: torn or burnt through.
 const NO_LINK: f32 = 1e20;
@@ -139,12 +139,6 @@ impl<S: Simd> Met<S> {
     }
 }
 
-/// How far a link pulls along the direction it had: 1 in calm, 0 in a storm. From 1 − cos of the turn.
-#[inline(always)]
-pub(super) fn calm<S: Simd>(simd: S, turn: f32x8<S>) -> f32x8<S> {
-    (splat(simd, 1.5) - turn * splat(simd, 0.5 / CALM_TURN)).max(splat(simd, 0.0)).min(splat(simd, 1.0))
-}
-
 /// Solves the stretch constraints `|x_{k+1} − x_k| = spacing` of each run together: one Newton step of the XPBD
 /// system (Macklin, Müller, Chentanez 2016), tridiagonal in the multipliers, by the Thomas algorithm:
 /// `A_kk = (w_k + w_{k+1}) p_k·p_k + α̃`, `A_{k−1,k} = −w_k p_{k−1}·p_k`, `A δ = −(C + α̃ λ)`; p_k is the direction link k pulls along.
@@ -190,13 +184,13 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
         met.change = met.change.max(is_there.select(turn.dot(turn), zero));
         let (off, inverse, mut left) = if FIRST {
             let w_next = load(simd, inverse_mass, next);
-            // A link of no length has no direction: it gets the one that it is about to have, or none.
-            let normal = d * (one / length.max(tiny));
+            // A link of no length has no direction: it gets the one that it is about to have, or none. So does what turns by 60° and
+            // more: a pull along where it pointed would not mend it.
             let had = before.length();
+            let normal = d * (one / length.max(tiny));
             let before = before * (one / had.max(tiny));
-            let share = calm(simd, one - before.dot(normal));
-            let share = had.simd_gt(short).select(share, zero);
-            let pull = normal + (before - normal) * share;
+            let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(splat(simd, TURNED));
+            let pull = select(is_calm, before, normal);
             let off = -(w * last.dot(pull));
             // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
             let inverse = one / ((w + w_next) * pull.dot(pull) + compliance - off * off * last_inverse).max(tiny);
@@ -207,10 +201,9 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
             (off, inverse, rest - length)
         } else {
             let left = rest - length - compliance * load(simd, &of.lambda, link);
-            // What has turned further since, by 60° and more, only a shorter substep can solve: pulled on, it would fly off.
-            let turned = d.dot(Vec3x8::load(simd, &of.pull, link)).simd_lt(length * splat(simd, 0.5));
-            let left = turned.select(zero, left);
-            (load(simd, &of.off, link), load(simd, &of.inverse, link), left)
+            // What turned so far since is left to the next substep: pulled on, it would fly off.
+            let turned = d.dot(Vec3x8::load(simd, &of.pull, link)).simd_lt(length * splat(simd, TURNED));
+            (load(simd, &of.off, link), load(simd, &of.inverse, link), turned.select(zero, left))
         };
         left = (left - off * last_right) * inverse;
         store(left, &mut of.right, link);

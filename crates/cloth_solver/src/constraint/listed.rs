@@ -152,8 +152,7 @@ impl Listed {
             lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
         }
         let (compliance, found) = (splat(simd, stiffness.stretch), &mut self.found);
-        let met =
-            lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
+        let met = lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
         self.scatter(simd, work, particles);
         met
     }

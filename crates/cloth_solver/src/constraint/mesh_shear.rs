@@ -21,6 +21,9 @@ const FASTEST: f32 = 2.0;
 /// How much of the stress may be left to find, as root mean square.
 const TOLERANCE: f32 = 0.0003;
 
+/// A shear, rad, next to which what is less is rounding.
+const FLAT: f32 = 1e-3;
+
 /// Most iterations in a substep.
 const ITERATIONS: usize = 60;
 
@@ -173,8 +176,8 @@ impl MeshShear {
     fn iterate<S: Simd>(&mut self, simd: S, filter: f32) {
         let one = splat(simd, 1.0);
         for eight in &mut self.eights {
-            let diagonal = f32x8::simd_from(simd, eight.compliance)
-                + f32x8::simd_from(simd, eight.scale) * splat(simd, filter);
+            let diagonal =
+                f32x8::simd_from(simd, eight.compliance) + f32x8::simd_from(simd, eight.scale) * splat(simd, filter);
             eight.scale = (one / diagonal).into();
         }
         self.apply(simd, Of::Lambda, filter);
@@ -187,7 +190,7 @@ impl MeshShear {
             eight.residual = residual.into();
             eight.direction = step.into();
             sum += total(residual * step);
-            whole += total(right * right * scale);
+            whole += total((right * right + splat(simd, FLAT * FLAT)) * scale);
         }
         for _ in 0..ITERATIONS {
             if sum <= f64::from(TOLERANCE * TOLERANCE) * whole + f64::from(f32::MIN_POSITIVE) {

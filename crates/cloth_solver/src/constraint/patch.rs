@@ -192,14 +192,7 @@ impl Patch {
 
     /// Waves across the listed threads slowed: see [`super::lines::filter`].
     #[inline(always)]
-    pub fn filter<S: Simd>(
-        &self,
-        simd: S,
-        along: Along,
-        particles: &mut Particles,
-        spacing: f32,
-        work: &mut Work,
-    ) {
+    pub fn filter<S: Simd>(&self, simd: S, along: Along, particles: &mut Particles, spacing: f32, work: &mut Work) {
         for block in &self.listed(along).blocks {
             block.filter(simd, particles, spacing, work);
         }

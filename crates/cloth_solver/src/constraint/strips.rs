@@ -10,10 +10,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Packed, gather4, pack, scatter4, unpack};
-use super::lines::{Met, calm};
+use super::lines::{Met, TURNED};
 use super::tension::Tensions;
 use super::wear::{GONE, Wear};
-use crate::lanes::{LANES, Vec3x8, load, splat, store};
+use crate::lanes::{LANES, Vec3x8, load, select, splat, store};
 use crate::topology::{Along, strips};
 use crate::{Fabric, Particles, Soa3, Topology};
 
@@ -213,7 +213,12 @@ impl Eight {
 
     /// A pass with factors in a band of `BAND` beside the diagonal: see [`super::lines::stretch`].
     #[inline(always)]
-    fn solve<S: Simd, const BAND: usize, const FIRST: bool>(&mut self, simd: S, packs: &mut Packs, square: f32) -> Met<S> {
+    fn solve<S: Simd, const BAND: usize, const FIRST: bool>(
+        &mut self,
+        simd: S,
+        packs: &mut Packs,
+        square: f32,
+    ) -> Met<S> {
         let Packs { position, moved } = packs;
         let Self { links, work, lambda: multipliers, .. } = self;
         let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
@@ -242,12 +247,10 @@ impl Eight {
             let compliance = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
             let mut right = rest - length;
             if FIRST {
-                let normal = f * (one / length.max(tiny));
                 let had = before.length();
-                let before = before * (one / had.max(tiny));
-                let share = calm(simd, one - before.dot(normal));
-                let share = had.simd_gt(splat(simd, 1e-6)).select(share, zero);
-                let pull = normal + (before - normal) * share;
+                let (before, normal) = (before * (one / had.max(tiny)), f * (one / length.max(tiny)));
+                let is_calm = had.simd_gt(splat(simd, 1e-6)) & normal.dot(before).simd_gt(splat(simd, TURNED));
+                let pull = select(is_calm, before, normal);
                 let own = w_a * coefficient[0] * coefficient[0]
                     + w_b * coefficient[1] * coefficient[1]
                     + w_c * coefficient[2] * coefficient[2];
@@ -275,10 +278,10 @@ impl Eight {
                 store(one / pivot.max(least), &mut work.inverse, at * LANES);
             } else {
                 right -= compliance * load(simd, multipliers, k * LANES);
-                // See [`super::lines::stretch`].
-                let turned = f.dot(Vec3x8::load(simd, &work.pull, at * LANES)).simd_lt(length * splat(simd, 0.5));
-                right = turned.select(zero, right);
             }
+            // See [`super::lines::stretch`].
+            let turned = f.dot(Vec3x8::load(simd, &work.pull, at * LANES)).simd_lt(length * splat(simd, TURNED));
+            right = turned.select(zero, right);
             for j in 1..=BAND {
                 let factor = load(simd, &work.factor, (at * REACH + j - 1) * LANES);
                 right -= factor * load(simd, &work.right, (at - j) * LANES);

@@ -8,10 +8,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::batch::{Batches, gather, gather3, scatter3};
-use super::lines::calm;
+use super::lines::TURNED;
 use super::tension::Tensions;
 use super::wear::Wear;
-use crate::lanes::{LANES, Vec3x8, splat};
+use crate::lanes::{LANES, Vec3x8, select, splat};
 use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
 
@@ -132,7 +132,7 @@ impl Triangles {
             let moves = [gather3(simd, moved, a), gather3(simd, moved, b), gather3(simd, moved, c)];
             let mut x = [moves[0], to_b + moves[1], to_c + moves[2]];
             let from_start = of == Of::AllFromStart;
-            let start = [origin - origin, to_b, to_c];
+            let start = [Vec3x8::splat(simd, glam::Vec3::ZERO), to_b, to_c];
             // Pushes are summed up apart: taken from the places, they would be rounded as these are, and momentum with them.
             let mut pushed = [Vec3x8::splat(simd, glam::Vec3::ZERO); 3];
             let [m0, m1, m2, m3] = self.inverse_rest[g];
@@ -185,9 +185,8 @@ fn length<S: Simd>(
         let f = (start[1] - start[0]) * m[0] + (start[2] - start[0]) * m[1];
         let size = f.length();
         let had = f * (splat(simd, 1.0) / size.max(tiny));
-        let share = calm(simd, splat(simd, 1.0) - had.dot(direction));
-        let share = size.simd_gt(splat(simd, 1e-6)).select(share, splat(simd, 0.0));
-        direction = direction + (had - direction) * share;
+        let is_calm = size.simd_gt(splat(simd, 1e-6)) & had.dot(direction).simd_gt(splat(simd, TURNED));
+        direction = select(is_calm, had, direction);
     }
     let m_0 = -(m[0] + m[1]);
     let weight = w[0] * m_0 * m_0 + w[1] * m[0] * m[0] + w[2] * m[1] * m[1] + compliance;

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
 use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
-use crate::lanes::{Frame, LANES, Vec3x8, load, splat};
+use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
@@ -75,11 +75,6 @@ pub(super) fn respond<S: Simd>(
         found.deepest = found.deepest.max(hit.select(depth, zero).reduce_max());
     }
     found
-}
-
-#[inline(always)]
-fn select<S: Simd>(mask: mask32x8<S>, yes: Vec3x8<S>, no: Vec3x8<S>) -> Vec3x8<S> {
-    Vec3x8 { x: mask.select(yes.x, no.x), y: mask.select(yes.y, no.y), z: mask.select(yes.z, no.z) }
 }
 
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see

@@ -131,13 +131,7 @@ impl Tear {
     }
 
     /// Takes note of the loads at the end of a tick of `dt` s.
-    pub fn watch(
-        &mut self,
-        topology: &Topology,
-        particles: &Particles,
-        constraints: &mut Constraints,
-        dt: f32,
-    ) {
+    pub fn watch(&mut self, topology: &Topology, particles: &Particles, constraints: &mut Constraints, dt: f32) {
         constraints.tensions(topology, particles, &mut self.tensions);
         let (fresh, farthest) = (dt / (SMOOTHING + dt), self.known * self.known);
         let Soa3 { x, y, z } = &particles.position;

@@ -56,11 +56,8 @@ impl Stiffness {
     /// How runs of that width, in spacings, resist bending.
     #[inline(always)]
     pub fn bend<S: Simd>(self, simd: S, width: f32x8<S>) -> Option<Bend<S>> {
-        #[expect(clippy::manual_map, reason = "a closure would lack the dispatched instruction set")]
         match self.bend {
-            Some(bend) => {
-                Some(Bend { compliance: splat(simd, bend) / width, filter: self.filter, share: self.share })
-            }
+            Some(bend) => Some(Bend { compliance: splat(simd, bend) / width, filter: self.filter, share: self.share }),
             None => None,
         }
     }

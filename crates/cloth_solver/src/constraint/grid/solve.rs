@@ -92,7 +92,8 @@ impl GridConstraints {
         }
         if self.patch.is_some() {
             let longest = sub.longest * sub.longest;
-            let shears = if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(longest)) } else { ShearModel::None };
+            let shears =
+                if shear > 0.0 { ShearModel::Constraint(self.shear_compliance(longest)) } else { ShearModel::None };
             let model = CellModel { shear: shears, twist: self.twist_compliance(longest) };
             if let Some(patch) = &mut self.patch {
                 patch.push_loose(simd, particles, &self.grid, model, sub);
@@ -125,9 +126,7 @@ impl GridConstraints {
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
         match &mut self.patch {
-            Some(patch) => {
-                met.and(patch.solve::<S, FIRST>(simd, Along::Weft, particles, stiffness, &mut self.work))
-            }
+            Some(patch) => met.and(patch.solve::<S, FIRST>(simd, Along::Weft, particles, stiffness, &mut self.work)),
             None => met,
         }
     }
@@ -153,9 +152,7 @@ impl GridConstraints {
             met = met.and(on.pass::<S, FIRST>(simd, stiffness, width, worn, &mut self.warp, elimination));
         }
         match &mut self.patch {
-            Some(patch) => {
-                met.and(patch.solve::<S, FIRST>(simd, Along::Warp, particles, stiffness, &mut self.work))
-            }
+            Some(patch) => met.and(patch.solve::<S, FIRST>(simd, Along::Warp, particles, stiffness, &mut self.work)),
             None => met,
         }
     }

@@ -28,7 +28,8 @@ impl GridConstraints {
         let (model, weft, warp) = match how {
             Sweep::Compliant(sub) => {
                 let square = sub.square();
-                let shear = if shears { ShearModel::Constraint(self.shear_compliance(square)) } else { ShearModel::None };
+                let shear =
+                    if shears { ShearModel::Constraint(self.shear_compliance(square)) } else { ShearModel::None };
                 let model = CellModel { shear, twist: self.twist_compliance(square) };
                 (model, Some(self.stiffness(Along::Weft, &sub)), Some(self.stiffness(Along::Warp, &sub)))
             }

@@ -153,7 +153,6 @@ fn the_residual_vanishes_at_rest_and_not_in_a_coarse_step() {
     let mut cloth = rectangle(1.0, 1.0, 20, 20, &Fabric::COTTON_POPLIN);
     pin_top(&mut cloth, 0..=20);
     run(&mut cloth, 10.0);
-    let h = TICK.dt / TICK.substeps as f32;
     let at_rest = cloth.constraints.residual(&cloth.particles).unwrap();
     assert!(at_rest < 1e-5, "{at_rest}");
     for p in 0..cloth.topology.slots() {

@@ -40,8 +40,9 @@ pub struct Fabric {
     pub bend_warp: f32,
     /// Bending stiffness for curvature along the weft, N·m; 0..=1e4.
     pub bend_weft: f32,
-    /// Internal friction: the rate at which motion that is not rigid motion of the whole cloth fades, 1/s; 0..=1000,
-    /// default 0.5. Free fall and momentum do not feel it.
+    /// Internal friction: the rate at which motion fades that is not rigid motion of a piece, or of a piece that is pinned
+    /// not the motion of its pins, 1/s; 0..=1000, default 0.5. Free fall and the momentum of free pieces do not feel it; the
+    /// swing of what is pinned does.
     pub damping: f32,
     /// Coulomb friction coefficient against a collider, dimensionless; 0..=10.
     pub friction: f32,

@@ -30,7 +30,7 @@ pub enum Method {
     /// Small-steps XPBD (Macklin et al. 2019), constraints swept one after the other, in colours.
     XpbdSweeps,
     /// Small-steps XPBD, exact along the warp and weft lines of a rectangle, with its shear as a smoothed stress; on any
-    /// other mesh exact along strips of triangles, with implicit bending. The default.
+    /// other mesh exact along strips of triangles. Bending and shear are forces, filtered where they are too stiff. The default.
     #[default]
     XpbdLines,
 }

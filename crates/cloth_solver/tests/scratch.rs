@@ -1,0 +1,87 @@
+mod common;
+use std::f32::consts::FRAC_PI_2;
+use std::time::Instant;
+use cloth_solver::contact::{SelfContact, Shape};
+use cloth_solver::{Cloth, Fabric, measure};
+use common::*;
+use glam::{Quat, Vec3};
+
+fn report(cloth: &mut Cloth, seconds: f32, name: &str) {
+    let (mut slowest, mut total) = (0.0_f64, 0.0);
+    let mut fast = 0.0_f32;
+    for tick in 0..(seconds * 60.0) as u32 {
+        let t = Instant::now();
+        cloth.step(TICK, GRAVITY);
+        let ms = t.elapsed().as_secs_f64() * 1e3;
+        total += ms;
+        slowest = slowest.max(ms);
+        fast = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length()).fold(fast, f32::max);
+        if tick % 60 == 59 {
+            let crossings = measure::crossings(&cloth.topology, &cloth.particles).len();
+            let rms = measure::rms_speed(&cloth.topology, &cloth.particles);
+            let s = match &cloth.self_contacts { Some(c) => format!("pairs {} touching {} tangled {} searches {} rigid {} bounded {}", c.candidates(), c.touching(), c.tangled(), c.searches(), c.rigid_substeps(), c.is_bounded()), None => String::new() };
+            println!("{name} {}s: crossings {crossings} rms {rms:.4} fastest {fast:.2} tick {:.2} ms (max {slowest:.2}) subs {} {s}", (tick + 1) / 60, total / 60.0, cloth.pace.taken());
+            (slowest, total, fast) = (0.0, 0.0, 0.0);
+        }
+    }
+}
+
+fn cells() -> u32 { std::env::var("CELLS").map_or(31, |s| s.parse().unwrap()) }
+fn secs() -> f32 { std::env::var("SECS").map_or(8.0, |s| s.parse().unwrap()) }
+fn is_on() -> bool { std::env::var("OFF").is_err() }
+fn fabric() -> Fabric { Fabric::PRESETS[std::env::var("FABRIC").map_or(0usize, |s| s.parse().unwrap())].1 }
+fn on(cloth: &mut Cloth, fabric: &Fabric) { if is_on() { cloth.set_self_contact(fabric, &SelfContact::default()).unwrap(); } }
+
+#[test]
+fn curtain() {
+    let f = fabric();
+    let mut cloth = rectangle(1.0, 1.0, cells(), cells(), &f);
+    let n = cells();
+    pin_top(&mut cloth, 0..=n);
+    on(&mut cloth, &f);
+    report(&mut cloth, secs(), "curtain");
+}
+
+#[test]
+fn swing() {
+    let f = fabric();
+    let mut cloth = rectangle(1.0, 1.0, cells(), cells(), &f);
+    let n = cells();
+    pin_top(&mut cloth, 0..=n);
+    for slot in 0..cloth.topology.slots() {
+        let x = cloth.topology.rest[slot];
+        cloth.particles.velocity.set(slot, Vec3::Z * (0.5 - x.y) * 2.0);
+    }
+    on(&mut cloth, &f);
+    report(&mut cloth, secs(), "swing");
+}
+
+#[test]
+fn heap() {
+    let f = fabric();
+    let mut cloth = rectangle(1.0, 1.0, cells(), cells(), &f);
+    place(&mut cloth, Quat::from_rotation_x(0.1) * Quat::from_rotation_z(0.3), Vec3::Y * 0.75);
+    let ground = collider(Shape::HalfSpace, Vec3::ZERO, Quat::IDENTITY, f.friction);
+    cloth.contacts.set_colliders([ground]);
+    on(&mut cloth, &f);
+    report(&mut cloth, secs(), "heap");
+}
+
+#[test]
+fn folded() {
+    let f = fabric();
+    let mut cloth = rectangle(1.0, 1.0, cells(), cells(), &f);
+    place(&mut cloth, Quat::from_rotation_x(-FRAC_PI_2), Vec3::Y * 0.02);
+    // Folded over a fold of 1 cm.
+    for slot in 0..cloth.topology.slots() {
+        let x = cloth.particles.position.get(slot);
+        let r = 0.03;
+        let y = if x.x <= 0.0 { x } else if x.x < r * std::f32::consts::PI { let a = x.x / r; Vec3::new(r * a.sin(), x.y + r * (1.0 - a.cos()), x.z) } else { Vec3::new(r * std::f32::consts::PI - x.x, x.y + 2.0 * r, x.z) };
+        cloth.particles.position.set(slot, y);
+        cloth.particles.previous.set(slot, y);
+    }
+    let ground = collider(Shape::HalfSpace, Vec3::ZERO, Quat::IDENTITY, f.friction);
+    cloth.contacts.set_colliders([ground]);
+    on(&mut cloth, &f);
+    report(&mut cloth, secs(), "folded");
+}

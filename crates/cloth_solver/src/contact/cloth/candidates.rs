@@ -11,6 +11,10 @@ use crate::Topology;
 /// The part of the distance that edges keep. Where layers lie flat their vertices keep the whole of it, and edges have no work.
 const EDGES: f32 = 0.75;
 
+/// The part of the distance kept that pairs always keep over a substep, and the part of their distance if they are nearer.
+const LEAST: f32 = 0.1;
+const LEAST_OF_NEARER: f32 = 0.9;
+
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
@@ -43,6 +47,17 @@ impl Pair {
             },
         }
     }
+
+    /// The distance from which on the pair, now at `distance` m, has to be looked at, m. What another pair speaks for is only in
+    /// danger where it may be passed.
+    pub fn limit_at(&self, distance: f32, weights: &[f32; 4]) -> f32 {
+        if self.speaks(weights) { self.keep } else { self.least(distance) }
+    }
+
+    /// The distance that is always kept over a substep by a pair that begins it at `distance` m, m.
+    pub fn least(&self, distance: f32) -> f32 {
+        (LEAST * self.keep).min(LEAST_OF_NEARER * distance)
+    }
 }
 
 /// All pairs found by the last search.
@@ -50,8 +65,8 @@ impl Pair {
 pub(super) struct Pairs {
     pub all: Vec<Pair>,
     pub is_bounded: bool,
-    /// How far each particle may go until the next search, m.
-    expected: Vec<f32>,
+    /// How each particle is expected to move until the next search, and how far it may be off that, m.
+    expected: Vec<(Vec3A, f32)>,
     /// Of each triangle its corners and sides that are paired with others in its name: each belongs to one triangle.
     owned: Vec<Owned>,
     /// Particles that each particle shares an edge with.
@@ -86,7 +101,7 @@ impl Pairs {
             neighbors[a as usize].push(b);
             neighbors[b as usize].push(a);
         }
-        Self { owned, neighbors, expected: vec![0.0; topology.slots()], ..Self::default() }
+        Self { owned, neighbors, expected: vec![(Vec3A::ZERO, 0.0); topology.slots()], ..Self::default() }
     }
 
     pub fn len(&self) -> usize {
@@ -97,9 +112,9 @@ impl Pairs {
         self.all.is_empty()
     }
 
-    /// Particle `slot` may go as far as `way` (m) until the next search.
-    pub fn expect(&mut self, slot: usize, way: f32) {
-        self.expected[slot] = way;
+    /// Particle `slot` is expected to move by `way` until the next search, and may be off by `reach`, m.
+    pub fn expect(&mut self, slot: usize, way: Vec3A, reach: f32) {
+        self.expected[slot] = (way, reach);
     }
 
     /// Finds the pairs within `bounds`; `starts` is where particles are now.
@@ -170,13 +185,19 @@ impl Pairs {
         owned: Owned,
     ) -> Option<Pair> {
         let (first, second) = ids.split_at(kind.split());
-        let distance = nearest(kind, &four(starts, &ids)).between.length();
-        let farthest = |slots: &[u32]| slots.iter().map(|slot| self.expected[*slot as usize]).fold(0.0, f32::max);
-        if distance > settings.distance + farthest(first) + farthest(second) || tangle.involves(first, second) {
+        let found = nearest(kind, &four(starts, &ids));
+        let distance = found.between.length();
+        let expected = |slot: &u32| self.expected[*slot as usize];
+        let approach = first.iter().map(expected).flat_map(|(way, reach)| {
+            second.iter().map(expected).map(move |(other, more)| (way - other).length() + reach + more)
+        });
+        let approach = approach.fold(0.0, f32::max);
+        if distance > settings.distance + approach || tangle.involves(first, second) {
             return None;
         }
-        let keep = self.distance_kept(topology, settings, kind, ids);
-        Some(Pair { kind, ids, keep, limit: distance - keep, owned })
+        let mut pair = Pair { kind, ids, keep: self.distance_kept(topology, settings, kind, ids), limit: 0.0, owned };
+        pair.limit = distance - pair.limit_at(distance, &found.weights);
+        (pair.limit <= approach).then_some(pair)
     }
 
     /// What lies nearer in the weave than the distance kept may stay as near as nine tenths of that. The two sides of a cut do not belong

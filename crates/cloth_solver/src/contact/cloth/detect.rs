@@ -14,6 +14,10 @@ use crate::{Particles, Soa3, Topology};
 /// A crossing that nothing told of, from rounding, is looked for after so many ticks.
 const TICKS_TO_CHECK: u32 = 64;
 
+/// Fewer pairs for each particle than this are no burden, more than that make the search look less far ahead.
+const FEW: f32 = 0.25;
+const MANY: f32 = 6.0;
+
 /// The paths that particles are expected to take, and how far they may leave them.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
@@ -27,6 +31,8 @@ pub(super) struct Watch {
     reach: Vec<f32>,
     /// For how long paths go on, s.
     horizon: f32,
+    /// That in ticks.
+    ahead: f32,
     /// Time since the search, s, and how far the drift went, m.
     elapsed: f32,
     drifted: Vec3,
@@ -52,6 +58,7 @@ impl Watch {
             velocity: Soa3::zeros(slots),
             reach: vec![-1.0; slots],
             horizon: 0.0,
+            ahead: 1.0,
             elapsed: 0.0,
             drifted: Vec3::ZERO,
             drift: Vec3::ZERO,
@@ -61,6 +68,18 @@ impl Watch {
             is_suspect: true,
             ticks: 0,
         }
+    }
+
+    /// Plans the next search, after one that found `crowd` pairs for each particle: how far ahead it looks, so that it lasts for about
+    /// a tick without finding too many.
+    fn plan(&mut self, settings: &Settings, crowd: f32, h: f32, tick: f32) {
+        let substeps = tick / h;
+        let (least, most) = (0.25 * settings.distance, 0.25 * settings.edge);
+        let factor = if crowd < FEW { 2.0 } else { (1.5 * substeps / self.age.max(1) as f32).clamp(0.5, 2.0) };
+        self.margin = (self.margin * factor).clamp(least, most.max(least));
+        self.ahead = if crowd > MANY { 0.5 * self.ahead } else { 1.5 * self.ahead }.clamp(1.0 / substeps, 1.0);
+        (self.elapsed, self.age, self.horizon, self.drifted) = (0.0, 0, self.ahead * tick, Vec3::ZERO);
+        self.searches += 1;
     }
 
     pub fn advance(&mut self, h: f32) {
@@ -119,31 +138,21 @@ impl SelfContacts {
     pub(super) fn detect(&mut self, topology: &Topology, particles: &Particles, contacts: &Contacts, sub: &Substep) {
         let Self { settings, watch, pairs, response, tangle } = self;
         let tick = sub.h / (sub.end - sub.start);
-        let is_crowded = pairs.len() > topology.slots() / 4;
-        let factor = match watch.age {
-            0..=3 => 1.5,
-            _ if !is_crowded => 1.5,
-            20.. => 0.7,
-            _ => 1.0,
-        };
-        let least = 0.5 * settings.distance;
-        watch.margin = (watch.margin * factor).clamp(least, least.max(0.25 * settings.edge));
-        (watch.elapsed, watch.age, watch.horizon, watch.drifted) = (0.0, 0, tick, Vec3::ZERO);
-        watch.searches += 1;
+        watch.plan(settings, pairs.len() as f32 / topology.slots() as f32, sub.h, tick);
         let shift = Vec3A::from(watch.drift * sub.h);
         for slot in 0..topology.slots() {
             let (from, to) = (Vec3A::from(particles.previous.get(slot)), particles.position.get(slot));
             let velocity = particles.velocity.get(slot) - watch.drift;
-            let way = velocity.length() * tick;
+            let way = velocity.length() * watch.horizon;
             watch.from.set(slot, to);
             watch.velocity.set(slot, velocity);
-            watch.reach[slot] = watch.margin + 0.25 * way;
+            watch.reach[slot] = watch.margin + 0.1 * way;
             response.place(slot, from, Vec3A::from(to));
             let reach = Vec3A::splat(watch.reach[slot] + 0.5 * settings.distance);
             let to = Vec3A::from(to);
-            let (from, on) = (from + shift, to + Vec3A::from(velocity * tick));
+            let (from, on) = (from + shift, to + Vec3A::from(velocity * watch.horizon));
             watch.bounds[slot] = Bounds { min: from.min(to).min(on) - reach, max: from.max(to).max(on) + reach };
-            pairs.expect(slot, 1.3 * from.distance(to) + way + watch.reach[slot]);
+            pairs.expect(slot, Vec3A::from(velocity * watch.horizon) + (to - from), watch.reach[slot]);
         }
         watch.hierarchy.refit(&watch.bounds);
         watch.hierarchy.find_cones(topology, response.starts());

@@ -19,10 +19,6 @@ const SWEPT_ROUNDS: u32 = 3;
 /// wrong side is what they may not end for.
 const MOST_ROUNDS: u32 = 200;
 
-/// The part of the distance kept that pairs always keep over a substep, and the part of their distance if they are nearer.
-const LEAST: f32 = 0.1;
-const LEAST_OF_NEARER: f32 = 0.9;
-
 /// Pairs nearer than this, m, are on no side: positions of a metre are no more exact.
 const NO_SIDE: f32 = 1e-7;
 
@@ -32,30 +28,20 @@ struct Near {
     kind: Kind,
     ids: [u32; 4],
     normal: Vec3A,
-    distance: f32,
-    keep: f32,
+    /// The distance always kept, m.
+    least: f32,
 }
 
 impl Near {
-    /// The distance always kept, m.
-    fn least(&self) -> f32 {
-        least(self.distance, self.keep)
-    }
-
     /// When the pair comes too near, if it does.
     fn meeting(&self, bodies: &Bodies) -> Option<f32> {
         let (starts, moved) = (four(&bodies.starts, &self.ids), four(&bodies.moved, &self.ids));
         let ends: [Vec3A; 4] = core::array::from_fn(|i| starts[i] + moved[i]);
-        if gap_along(self.kind, &ends, self.normal) > self.least() {
+        if gap_along(self.kind, &ends, self.normal) > self.least {
             return None;
         }
-        first_meeting(self.kind, &starts, &moved, self.least())
+        first_meeting(self.kind, &starts, &moved, self.least)
     }
-}
-
-/// The distance always kept of a pair at `distance` m that should keep `keep` m, m.
-fn least(distance: f32, keep: f32) -> f32 {
-    (LEAST * keep).min(LEAST_OF_NEARER * distance)
 }
 
 /// Working memory of the response.
@@ -127,12 +113,13 @@ impl Response {
         self.near.clear();
         self.contacts.clear();
         self.zones.clear();
+        self.stops.iter().for_each(|stop| self.bodies.held[stop.particle as usize] = Vec3A::ZERO);
         Stop::find(&mut self.stops, &self.used, particles, contacts, sub);
         self.gather(particles);
     }
 
     fn gather(&mut self, particles: &Particles) {
-        let Bodies { starts, moved, velocity, inverse_mass } = &mut self.bodies;
+        let Bodies { starts, moved, velocity, inverse_mass, .. } = &mut self.bodies;
         for slot in self.used.iter().map(|slot| *slot as usize) {
             let start = Vec3A::from(particles.previous.get(slot));
             starts[slot] = start;
@@ -143,7 +130,7 @@ impl Response {
     }
 
     fn scatter(&mut self, particles: &mut Particles) {
-        let Bodies { starts, moved, velocity, inverse_mass } = &self.bodies;
+        let Bodies { starts, moved, velocity, inverse_mass, .. } = &self.bodies;
         for slot in self.used.iter().map(|slot| *slot as usize) {
             if inverse_mass[slot] > 0.0 {
                 particles.position.set(slot, (starts[slot] + moved[slot]).into());
@@ -180,10 +167,7 @@ impl Response {
             let starts = four(&self.bodies.starts, &ids);
             let found = nearest(kind, &starts);
             let distance = found.between.length();
-            let speaks = pair.speaks(&found.weights);
-            // What another pair speaks for is only in danger where it may be passed.
-            let limit = if speaks { keep } else { least(distance, keep) };
-            pair.limit = distance - limit + ways(&self.path, pair);
+            pair.limit = distance - pair.limit_at(distance, &found.weights) + ways(&self.path, pair);
             if most < pair.limit {
                 continue;
             }
@@ -193,10 +177,10 @@ impl Response {
             }
             self.is_near[index] = true;
             let normal = found.between / distance;
-            self.near.push(Near { kind, ids, normal, distance, keep });
+            self.near.push(Near { kind, ids, normal, least: pair.least(distance) });
             let moved = four(&self.bodies.moved, &ids);
             let ends: [Vec3A; 4] = core::array::from_fn(|i| starts[i] + moved[i]);
-            if speaks && gap_along(kind, &ends, normal) < keep {
+            if pair.speaks(&found.weights) && gap_along(kind, &ends, normal) < keep {
                 self.contacts.extend(Contact::new(ids, &found, keep, 0.0, &self.bodies, law));
             }
         }
@@ -215,7 +199,7 @@ impl Response {
                 if round < SWEPT_ROUNDS {
                     let (starts, moved) = (four(&self.bodies.starts, &near.ids), four(&self.bodies.moved, &near.ids));
                     let found = nearest(near.kind, &core::array::from_fn(|i| starts[i] + moved[i] * t));
-                    self.contacts.extend(Contact::new(near.ids, &found, near.least(), t, &self.bodies, law));
+                    self.contacts.extend(Contact::new(near.ids, &found, near.least, t, &self.bodies, law));
                 } else {
                     self.zones.join(&near.ids);
                 }
@@ -241,12 +225,12 @@ impl SelfContacts {
         let h = sub.h;
         let made_up = 1.0 - (-self.settings.rate * h).exp();
         let law = Law { friction: self.settings.friction, made_up, h };
-        self.response.reset(particles, h);
+        let slack = 0.1 * self.settings.distance;
+        self.response.reset(particles, h, slack);
         if self.tangled() > 0 {
             tangle::untangle(&self.tangle, topology, particles, h);
             self.response.gather(particles);
         }
-        let slack = 0.1 * self.settings.distance;
         for round in 0..MOST_ROUNDS {
             let drift = Vec3A::from(self.watch.drift * h);
             self.response.assume(drift, slack);
@@ -279,9 +263,14 @@ impl SelfContacts {
 
 impl Response {
     /// Begins a substep.
-    fn reset(&mut self, particles: &Particles, h: f32) {
+    fn reset(&mut self, particles: &Particles, h: f32, slack: f32) {
         self.gather(particles);
-        self.stops.iter_mut().for_each(|stop| stop.advance(h));
+        for stop in &mut self.stops {
+            stop.advance(h);
+            let id = stop.particle as usize;
+            let is_held = stop.height(self.bodies.starts[id], h) < slack;
+            self.bodies.held[id] = if is_held { stop.normal } else { Vec3A::ZERO };
+        }
         for slot in self.used.iter().map(|slot| *slot as usize) {
             self.assumed[slot] = 0.0;
         }

@@ -14,6 +14,9 @@ use crate::contact::DEPENETRATION_SPEED;
 /// Sweeps over the velocities.
 const SWEEPS: u32 = 3;
 
+/// Cosine of the angle to a collider's normal within which what it holds cannot be pressed.
+const HELD: f32 = 0.7;
+
 /// Sweeps over the positions.
 const POSITION_SWEEPS: u32 = 1;
 
@@ -28,12 +31,20 @@ pub(super) struct Bodies {
     pub velocity: Vec<Vec3A>,
     /// 1/mass, 1/kg; 0 of what is pinned.
     pub inverse_mass: Vec<f32>,
+    /// The normal of the collider that holds it, or zero.
+    pub held: Vec<Vec3A>,
 }
 
 impl Bodies {
     pub fn new(slots: usize) -> Self {
         let zeros = vec![Vec3A::ZERO; slots];
-        Self { starts: zeros.clone(), moved: zeros.clone(), velocity: zeros, inverse_mass: vec![0.0; slots] }
+        Self {
+            starts: zeros.clone(),
+            moved: zeros.clone(),
+            velocity: zeros.clone(),
+            inverse_mass: vec![0.0; slots],
+            held: zeros,
+        }
     }
 }
 
@@ -52,8 +63,11 @@ pub(super) struct Contact {
     weights: [f32; 4],
     /// From the second point to the first, of unit length.
     normal: Vec3A,
-    /// Mass that an impulse between the points moves, kg.
+    /// Mass that an impulse between the points moves, kg; and one along the normal, which moves nothing that is held against it.
     mass: f32,
+    pushed_mass: f32,
+    /// What each particle yields to an impulse along the normal, 1/kg.
+    yields: [f32; 4],
     /// Speed at which they may approach, m/s.
     allowed: f32,
     /// From where the normal was taken to the end of the substep, s.
@@ -81,7 +95,15 @@ impl Contact {
         let Nearest { weights, between } = *found;
         let distance = between.length();
         let inertia: f32 = (0..4).map(|i| bodies.inverse_mass[ids[i] as usize] * weights[i] * weights[i]).sum();
-        if inertia <= 0.0 || distance <= 0.0 {
+        let normal = between / distance;
+        // What a collider holds yields to nothing that presses on it (shock propagation: Guendelman, Bridson, Fedkiw 2003).
+        let yields: [f32; 4] = core::array::from_fn(|i| {
+            let id = ids[i] as usize;
+            let is_held = weights[i] * bodies.held[id].dot(normal) < -HELD * weights[i].abs();
+            if is_held { 0.0 } else { bodies.inverse_mass[id] * weights[i] }
+        });
+        let pushed: f32 = (0..4).map(|i| yields[i] * weights[i]).sum();
+        if pushed <= 0.0 || distance <= 0.0 {
             return None;
         }
         let left = (1.0 - t) * law.h;
@@ -89,8 +111,10 @@ impl Contact {
         Some(Self {
             ids,
             weights,
-            normal: between / distance,
+            normal,
             mass: 1.0 / inertia,
+            pushed_mass: 1.0 / pushed,
+            yields,
             allowed: if t > 0.0 { 0.0 } else { (distance - keep).max(0.0) / law.h },
             left,
             target: keep.min(distance) + (law.made_up * missing).min(DEPENETRATION_SPEED * law.h),
@@ -108,7 +132,7 @@ impl Contact {
     fn solve_velocity(&mut self, bodies: &mut Bodies, friction: f32) {
         let relative = weighted(&bodies.velocity, &self.ids, &self.weights);
         let along = relative.dot(self.normal);
-        let push = (self.push - (along + self.allowed) * self.mass).max(0.0);
+        let push = (self.push - (along + self.allowed) * self.pushed_mass).max(0.0);
         if push == 0.0 && self.push == 0.0 {
             return;
         }
@@ -116,11 +140,11 @@ impl Contact {
         // Friction stops what slides once that impulse has acted, as far as the whole of it allows.
         let sliding = relative - self.normal * along;
         let rub = (self.rub - sliding * self.mass).clamp_length_max(friction * push);
-        let impulse = self.normal * pushed + (rub - self.rub);
+        let (pushed, rubbed) = (self.normal * pushed, rub - self.rub);
         (self.push, self.rub) = (push, rub);
         for i in 0..4 {
             let id = self.ids[i] as usize;
-            let change = impulse * (self.weights[i] * bodies.inverse_mass[id]);
+            let change = pushed * self.yields[i] + rubbed * (self.weights[i] * bodies.inverse_mass[id]);
             bodies.velocity[id] += change;
             bodies.moved[id] += change * self.left;
         }
@@ -131,10 +155,10 @@ impl Contact {
         let from = weighted(&bodies.starts, &self.ids, &self.weights);
         let gap = (from + weighted(&bodies.moved, &self.ids, &self.weights)).dot(self.normal);
         if gap < self.target {
-            let shift = self.normal * ((self.target - gap) * self.mass);
+            let shift = self.normal * ((self.target - gap) * self.pushed_mass);
             for i in 0..4 {
                 let id = self.ids[i] as usize;
-                bodies.moved[id] += shift * (self.weights[i] * bodies.inverse_mass[id]);
+                bodies.moved[id] += shift * self.yields[i];
             }
         }
     }

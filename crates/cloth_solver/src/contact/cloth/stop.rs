@@ -51,7 +51,13 @@ impl Stop {
     /// How fast its particle, which began the substep at `start`, may at least go along the normal, m/s.
     #[inline(always)]
     pub fn least_speed(&self, start: Vec3A, h: f32) -> f32 {
-        self.rise - (self.normal.dot(start) - (self.level - self.rise * h)).max(0.0) / h
+        self.rise - self.height(start, h).max(0.0) / h
+    }
+
+    /// How far above the plane `start` is where the substep begins, m.
+    #[inline(always)]
+    pub fn height(&self, start: Vec3A, h: f32) -> f32 {
+        self.normal.dot(start) - (self.level - self.rise * h)
     }
 
     /// How far below the plane `x` is, m.

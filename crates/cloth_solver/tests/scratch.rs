@@ -92,3 +92,35 @@ fn folded() {
     on(&mut cloth, &f);
     report(&mut cloth, secs(), "folded");
 }
+
+fn fold(x: Vec3, at: f32, radius: f32) -> Vec3 {
+    let (along, arc) = (x.x - at, std::f32::consts::PI * radius);
+    if along <= 0.0 { x } else if along < arc {
+        let (sin, cos) = (along / radius).sin_cos();
+        Vec3::new(at + radius * sin, x.y + radius * (1.0 - cos), x.z)
+    } else { Vec3::new(at + arc - along, 2.0 * radius + x.y, x.z) }
+}
+
+#[test]
+fn halves() {
+    let f = Fabric { damping: 0.0, ..Fabric::PRESETS[1].1 };
+    let mut cloth = rectangle(0.6, 0.3, 16, 8, &f);
+    let speed = 16.700552;
+    for slot in 0..cloth.topology.slots() {
+        let flat = cloth.topology.rest[slot];
+        let x = fold(Vec3::new(flat.x, 0.0, flat.y), 0.01, 0.06);
+        cloth.particles.position.set(slot, x);
+        cloth.particles.previous.set(slot, x);
+        if cloth.particles.mass[slot] > 0.0 {
+            cloth.particles.velocity.set(slot, if x.y > 0.06 { Vec3::Y * -speed } else { Vec3::Y * speed });
+        }
+    }
+    cloth.set_self_contact(&f, &SelfContact { friction: Some(0.0), ..SelfContact::default() }).unwrap();
+    for tick in 0..3 {
+        cloth.step(TICK, Vec3::ZERO);
+        let all = measure::crossings(&cloth.topology, &cloth.particles);
+        let own = cloth.self_contacts.as_ref().unwrap();
+        println!("tick {tick} {} rigid {} searches {} pairs {} tangled {} bounded {} subs {}", all.len(), own.rigid_substeps(), own.searches(), own.candidates(), own.tangled(), own.is_bounded(), cloth.pace.taken());
+        for p in all.iter().take(4) { println!("{p:?} {:?}", cloth.topology.triangles[p.triangle as usize]); for id in p.edge.iter().chain(&cloth.topology.triangles[p.triangle as usize]) { println!("{id} rest {} from {} to {} v {}", cloth.topology.rest[*id as usize], cloth.particles.previous.get(*id as usize), cloth.particles.position.get(*id as usize), cloth.particles.velocity.get(*id as usize)); } }
+    }
+}

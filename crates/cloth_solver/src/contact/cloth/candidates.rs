@@ -60,13 +60,32 @@ impl Pair {
     }
 }
 
+/// How a particle is expected to move until the next search, m.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Expected {
+    /// In the substep at hand.
+    pub now: Vec3A,
+    /// Until the next search, that substep included.
+    pub later: Vec3A,
+    /// How far it may be off that.
+    pub reach: f32,
+}
+
+impl Expected {
+    /// By how much two particles may come nearer to each other.
+    #[inline(always)]
+    fn approach(&self, other: &Self) -> f32 {
+        let [now, later] = [self.now - other.now, self.later - other.later].map(|way| way.length_squared());
+        now.max(later).sqrt() + self.reach + other.reach
+    }
+}
+
 /// All pairs found by the last search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pairs {
     pub all: Vec<Pair>,
     pub is_bounded: bool,
-    /// How each particle is expected to move until the next search, and how far it may be off that, m.
-    expected: Vec<(Vec3A, f32)>,
+    expected: Vec<Expected>,
     /// Of each triangle its corners and sides that are paired with others in its name: each belongs to one triangle.
     owned: Vec<Owned>,
     /// Particles that each particle shares an edge with.
@@ -101,7 +120,7 @@ impl Pairs {
             neighbors[a as usize].push(b);
             neighbors[b as usize].push(a);
         }
-        Self { owned, neighbors, expected: vec![(Vec3A::ZERO, 0.0); topology.slots()], ..Self::default() }
+        Self { owned, neighbors, expected: vec![Expected::default(); topology.slots()], ..Self::default() }
     }
 
     pub fn len(&self) -> usize {
@@ -112,9 +131,9 @@ impl Pairs {
         self.all.is_empty()
     }
 
-    /// Particle `slot` is expected to move by `way` until the next search, and may be off by `reach`, m.
-    pub fn expect(&mut self, slot: usize, way: Vec3A, reach: f32) {
-        self.expected[slot] = (way, reach);
+    /// Sets how particle `slot` is expected to move until the next search.
+    pub fn expect(&mut self, slot: usize, expected: Expected) {
+        self.expected[slot] = expected;
     }
 
     /// Finds the pairs within `bounds`; `starts` is where particles are now.
@@ -173,7 +192,6 @@ impl Pairs {
     }
 
     /// The pair of these particles, if they can come near each other and have a side.
-    #[inline(always)]
     fn pair(
         &self,
         topology: &Topology,
@@ -188,11 +206,9 @@ impl Pairs {
         let found = nearest(kind, &four(starts, &ids));
         let distance = found.between.length();
         let expected = |slot: &u32| self.expected[*slot as usize];
-        let approach = first.iter().map(expected).flat_map(|(way, reach)| {
-            second.iter().map(expected).map(move |(other, more)| (way - other).length() + reach + more)
-        });
+        let approach = first.iter().map(expected).flat_map(|a| second.iter().map(expected).map(move |b| a.approach(&b)));
         let approach = approach.fold(0.0, f32::max);
-        if distance > settings.distance + approach || tangle.involves(first, second) {
+        if distance > settings.distance + approach || tangle.involves(kind, ids) {
             return None;
         }
         let mut pair = Pair { kind, ids, keep: self.distance_kept(topology, settings, kind, ids), limit: 0.0, owned };

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::{Vec3, Vec3A};
 
+use super::candidates::Expected;
 use super::hierarchy::{Bounds, Hierarchy};
 use super::tangle::Tangle;
 use super::{Contacts, SelfContacts, Settings};
@@ -23,6 +24,8 @@ const MANY: f32 = 6.0;
 pub(super) struct Watch {
     hierarchy: Hierarchy,
     bounds: Vec<Bounds>,
+    /// Where particles will be when their paths end, m.
+    later: Vec<Vec3A>,
     /// Where each particle was when candidates were looked for, less the common drift since, m.
     from: Soa3,
     /// Its velocity then, less the drift, m/s.
@@ -54,6 +57,7 @@ impl Watch {
         Self {
             hierarchy: Hierarchy::new(topology),
             bounds: vec![Bounds::EMPTY; slots],
+            later: vec![Vec3A::ZERO; slots],
             from: Soa3::zeros(slots),
             velocity: Soa3::zeros(slots),
             reach: vec![-1.0; slots],
@@ -77,9 +81,13 @@ impl Watch {
         let (least, most) = (0.25 * settings.distance, 0.25 * settings.edge);
         let factor = if crowd < FEW { 2.0 } else { (1.5 * substeps / self.age.max(1) as f32).clamp(0.5, 2.0) };
         self.margin = (self.margin * factor).clamp(least, most.max(least));
-        self.ahead = if crowd > MANY { 0.5 * self.ahead } else { 1.5 * self.ahead }.clamp(1.0 / substeps, 1.0);
+        self.ahead = if crowd > MANY { 0.5 * self.ahead } else { 1.5 * self.ahead }.clamp(0.5 / substeps, 1.0);
         (self.elapsed, self.age, self.horizon, self.drifted) = (0.0, 0, self.ahead * tick, Vec3::ZERO);
-        self.searches += 1;
+    }
+
+    /// Plans a search for the substep at hand alone, because there were too many pairs.
+    fn look_no_farther(&mut self, settings: &Settings) {
+        (self.margin, self.ahead, self.horizon) = (0.25 * settings.distance, 0.0, 0.0);
     }
 
     pub fn advance(&mut self, h: f32) {
@@ -134,28 +142,48 @@ impl SelfContacts {
         }
     }
 
-    /// Looks for all pairs of features that may meet in this substep or, if particles go on as they do, in the next tick.
-    pub(super) fn detect(&mut self, topology: &Topology, particles: &Particles, contacts: &Contacts, sub: &Substep) {
-        let Self { settings, watch, pairs, response, tangle } = self;
+    /// Looks for all pairs of features that may meet in this substep or, if particles go on as they do, in the next tick. `is_again` if
+    /// the response of this substep has moved particles off their paths: it may still stop or move any as far as they went.
+    pub(super) fn detect(
+        &mut self,
+        topology: &Topology,
+        particles: &Particles,
+        contacts: &Contacts,
+        sub: &Substep,
+        is_again: bool,
+    ) {
         let tick = sub.h / (sub.end - sub.start);
-        watch.plan(settings, pairs.len() as f32 / topology.slots() as f32, sub.h, tick);
+        let crowd = self.pairs.len() as f32 / topology.slots() as f32;
+        self.watch.plan(&self.settings, crowd, sub.h, tick);
+        self.search(topology, particles, sub, is_again);
+        if self.pairs.is_bounded {
+            self.watch.look_no_farther(&self.settings);
+            self.search(topology, particles, sub, is_again);
+        }
+        self.response.begin(&self.pairs, particles, contacts, sub);
+    }
+
+    /// One search, as it is planned.
+    fn search(&mut self, topology: &Topology, particles: &Particles, sub: &Substep, is_again: bool) {
+        let Self { settings, watch, pairs, response, tangle } = self;
+        watch.searches += 1;
         let shift = Vec3A::from(watch.drift * sub.h);
         for slot in 0..topology.slots() {
-            let (from, to) = (Vec3A::from(particles.previous.get(slot)), particles.position.get(slot));
+            let [from, to] = [&particles.previous, &particles.position].map(|all| Vec3A::from(all.get(slot)));
             let velocity = particles.velocity.get(slot) - watch.drift;
-            let way = velocity.length() * watch.horizon;
-            watch.from.set(slot, to);
+            let way = velocity * watch.horizon;
+            watch.from.set(slot, to.into());
             watch.velocity.set(slot, velocity);
-            watch.reach[slot] = watch.margin + 0.1 * way;
-            response.place(slot, from, Vec3A::from(to));
-            let reach = Vec3A::splat(watch.reach[slot] + 0.5 * settings.distance);
-            let to = Vec3A::from(to);
-            let (from, on) = (from + shift, to + Vec3A::from(velocity * watch.horizon));
-            watch.bounds[slot] = Bounds { min: from.min(to).min(on) - reach, max: from.max(to).max(on) + reach };
-            pairs.expect(slot, Vec3A::from(velocity * watch.horizon) + (to - from), watch.reach[slot]);
+            response.place(slot, from, to);
+            let (from, on) = (from + shift, to + Vec3A::from(way));
+            watch.reach[slot] = watch.margin + 0.1 * way.length() + if is_again { from.distance(to) } else { 0.0 };
+            watch.later[slot] = on;
+            let around = Vec3A::splat(watch.reach[slot] + 0.5 * settings.distance);
+            watch.bounds[slot] = Bounds { min: from.min(to).min(on) - around, max: from.max(to).max(on) + around };
+            pairs.expect(slot, Expected { now: to - from, later: on - from, reach: watch.reach[slot] });
         }
         watch.hierarchy.refit(&watch.bounds);
-        watch.hierarchy.find_cones(topology, response.starts());
+        watch.hierarchy.find_cones(topology, response.starts(), &watch.later);
         let was_empty = pairs.is_empty();
         let look = |tangle: &mut Tangle, watch: &mut Watch, starts: &[Vec3A]| {
             tangle.find(topology, &mut watch.hierarchy, starts);
@@ -172,6 +200,5 @@ impl SelfContacts {
                 pairs.find(topology, settings, &mut watch.hierarchy, &watch.bounds, response.starts(), tangle);
             }
         }
-        response.begin(pairs, particles, contacts, sub);
     }
 }

@@ -60,11 +60,47 @@ struct Patch {
     neighbors: Vec<u32>,
     /// Whether a particle of it stands where another one stands at rest, which it does not hang on.
     is_slit: bool,
-    /// Unit mean of the normals; zero if they do not lie within a cone.
+    /// Those of its normals now and later.
+    cones: [Cone; 2],
+}
+
+/// A cone that holds normals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cone {
+    /// Unit mean of the normals; zero if they are not within a cone.
     axis: Vec3A,
-    /// Cosine and sine of the angle of the cone around it.
+    /// Cosine and sine of its half angle.
     cosine: f32,
     sine: f32,
+}
+
+impl Cone {
+    /// That of the normals of `triangles`, [`PATCH`] at most.
+    fn new(topology: &Topology, triangles: &[u32], positions: &[Vec3A]) -> Self {
+        let mut normals = [Vec3A::ZERO; PATCH];
+        let normals = &mut normals[..triangles.len()];
+        let mut sum = Vec3A::ZERO;
+        for (normal, triangle) in normals.iter_mut().zip(triangles) {
+            let [a, b, c] = topology.triangles[*triangle as usize].map(|slot| positions[slot as usize]);
+            *normal = (b - a).cross(c - a).normalize_or_zero();
+            sum += *normal;
+        }
+        let axis = sum.normalize_or_zero();
+        let cosine = normals.iter().map(|normal| axis.dot(*normal)).fold(1.0, f32::min);
+        let axis = if cosine > CONE { axis } else { Vec3A::ZERO };
+        Self { axis, cosine, sine: (1.0 - cosine * cosine).max(0.0).sqrt() }
+    }
+
+    /// Whether a cone around the mean axis of both, of half the angle between them and the larger of their own, is still narrow.
+    fn joins(&self, other: &Self) -> bool {
+        if self.axis == Vec3A::ZERO || other.axis == Vec3A::ZERO {
+            return false;
+        }
+        let between = self.axis.dot(other.axis).clamp(-1.0, 1.0);
+        let [cosine, sine] = [0.5 * (1.0 + between), 0.5 * (1.0 - between)].map(f32::sqrt);
+        let wider = if self.cosine < other.cosine { self } else { other };
+        cosine * wider.cosine - sine * wider.sine > CONE
+    }
 }
 
 /// The triangles of a topology in patches, and these in a hierarchy of boxes.
@@ -143,42 +179,18 @@ impl Hierarchy {
         }
     }
 
-    /// Finds the cones of the normals of all patches.
-    pub fn find_cones(&mut self, topology: &Topology, positions: &[Vec3A]) {
-        let mut normals = [Vec3A::ZERO; PATCH];
-        for patch in &mut self.patches {
-            let normals = &mut normals[..patch.triangles.len()];
-            let mut sum = Vec3A::ZERO;
-            for (normal, triangle) in normals.iter_mut().zip(&patch.triangles) {
-                let [a, b, c] = topology.triangles[*triangle as usize].map(|slot| positions[slot as usize]);
-                *normal = (b - a).cross(c - a).normalize_or_zero();
-                sum += *normal;
-            }
-            let axis = sum.normalize_or_zero();
-            let cosine = normals.iter().map(|normal| axis.dot(*normal)).fold(1.0, f32::min);
-            let is_cone = cosine > CONE && !patch.is_slit;
-            patch.axis = if is_cone { axis } else { Vec3A::ZERO };
-            (patch.cosine, patch.sine) = (cosine, (1.0 - cosine * cosine).max(0.0).sqrt());
+    /// Finds the cones of the normals of all patches with their particles at `now` and at `later`.
+    pub fn find_cones(&mut self, topology: &Topology, now: &[Vec3A], later: &[Vec3A]) {
+        for patch in self.patches.iter_mut().filter(|patch| !patch.is_slit) {
+            patch.cones = [now, later].map(|positions| Cone::new(topology, &patch.triangles, positions));
         }
     }
 
-    /// Whether two patches hang together and are so flat that they cannot meet.
+    /// Whether two patches hang together and are so flat, now and later, that they cannot meet.
     fn are_flat(&self, a: u32, b: u32) -> bool {
         let [first, second] = [a, b].map(|patch| &self.patches[patch as usize]);
-        if first.axis == Vec3A::ZERO || second.axis == Vec3A::ZERO {
-            return false;
-        }
-        if a == b {
-            return true;
-        }
-        if first.neighbors.binary_search(&b).is_err() {
-            return false;
-        }
-        // The angle of a cone around the mean axis that holds both: half of that between them, and the larger of their own.
-        let between = first.axis.dot(second.axis).clamp(-1.0, 1.0);
-        let [half_cosine, half_sine] = [0.5 * (1.0 + between), 0.5 * (1.0 - between)].map(f32::sqrt);
-        let wider = if first.cosine < second.cosine { first } else { second };
-        half_cosine * wider.cosine - half_sine * wider.sine > CONE
+        let mut cones = first.cones.iter().zip(&second.cones);
+        cones.all(|(first, second)| first.joins(second)) && (a == b || first.neighbors.binary_search(&b).is_ok())
     }
 
     /// Calls `meet` with every two triangles whose patches have overlapping boxes and may meet, once, in a fixed order.

@@ -114,7 +114,7 @@ impl SelfContacts {
             watch: Watch::new(topology, &settings),
             pairs: Pairs::new(topology),
             response: Response::new(topology),
-            tangle: Tangle::new(topology),
+            tangle: Tangle::default(),
         })
     }
 
@@ -123,7 +123,7 @@ impl SelfContacts {
         self.watch = Watch::new(now, &self.settings);
         self.pairs = Pairs::new(now);
         self.response = Response::new(now);
-        self.tangle = Tangle::new(now);
+        self.tangle = Tangle::default();
     }
 
     /// Distance kept between two layers, m.
@@ -176,7 +176,7 @@ pub fn collide_self(
     own.response.touching = 0;
     own.watch.advance(sub.h);
     if own.watch.has_been_left(&particles.position) {
-        own.detect(topology, particles, contacts, sub);
+        own.detect(topology, particles, contacts, sub, false);
     }
     if !own.pairs.is_empty() || own.tangled() > 0 {
         own.respond(topology, particles, contacts, sub);

@@ -112,7 +112,6 @@ impl Response {
         self.is_near.resize(pairs.len(), false);
         self.near.clear();
         self.contacts.clear();
-        self.zones.clear();
         self.stops.iter().for_each(|stop| self.bodies.held[stop.particle as usize] = Vec3A::ZERO);
         Stop::find(&mut self.stops, &self.used, particles, contacts, sub);
         self.gather(particles);
@@ -181,7 +180,7 @@ impl Response {
             let moved = four(&self.bodies.moved, &ids);
             let ends: [Vec3A; 4] = core::array::from_fn(|i| starts[i] + moved[i]);
             if pair.speaks(&found.weights) && gap_along(kind, &ends, normal) < keep {
-                self.contacts.extend(Contact::new(ids, &found, keep, 0.0, &self.bodies, law));
+                self.contacts.extend(Contact::new(kind, ids, &found, keep, 0.0, &self.bodies, law));
             }
         }
         has_no_side
@@ -199,7 +198,7 @@ impl Response {
                 if round < SWEPT_ROUNDS {
                     let (starts, moved) = (four(&self.bodies.starts, &near.ids), four(&self.bodies.moved, &near.ids));
                     let found = nearest(near.kind, &core::array::from_fn(|i| starts[i] + moved[i] * t));
-                    self.contacts.extend(Contact::new(near.ids, &found, near.least, t, &self.bodies, law));
+                    self.contacts.extend(Contact::new(near.kind, near.ids, &found, near.least, t, &self.bodies, law));
                 } else {
                     self.zones.join(&near.ids);
                 }
@@ -247,7 +246,7 @@ impl SelfContacts {
             }
             self.response.scatter(particles);
             if self.watch.has_been_left(&particles.position) {
-                self.detect(topology, particles, contacts, sub);
+                self.detect(topology, particles, contacts, sub, true);
                 continue;
             }
             if self.response.assume(drift, slack) {
@@ -255,6 +254,20 @@ impl SelfContacts {
             }
             if !self.response.check(round, &law) {
                 break;
+            }
+            if round == MOST_ROUNDS - 1 { eprintln!("DEBUG rounds"); }
+        }
+        if std::env::var("DEB").is_ok() {
+            let n = crate::measure::crossings(topology, particles);
+            if !n.is_empty() { eprintln!("\nDEBUG tangled {:?} crossings {} near {} contacts {} zones {} searches {} pairs {} sub {:?}", self.tangle.passages, n.len(), self.response.near.len(), self.response.contacts.len(), !self.response.zones.is_empty(), self.watch.searches, self.pairs.len(), sub);
+            for p in n.iter().take(3) {
+                let t = topology.triangles[p.triangle as usize];
+                eprintln!("{p:?} {t:?}");
+                for pair in &self.pairs.all { let has = |ids: &[u32]| ids.iter().all(|i| pair.ids.contains(i)); if (has(&t)) || (has(&p.edge) && pair.ids.iter().filter(|i| t.contains(i)).count() == 2) { 
+                    let f = nearest(pair.kind, &four(&self.response.bodies.starts, &pair.ids));
+                    eprintln!("  {:?} {:?} start {:e} now {:e} w {:?} limit {:e} assumed {:e}", pair.kind, pair.ids, f.between.length(), nearest(pair.kind, &pair.ids.map(|i| Vec3A::from(particles.position.get(i as usize)))).between.length(), f.weights, pair.limit, ways(&self.response.assumed, pair)); } }
+            }
+            std::process::exit(1);
             }
         }
         self.response.finish(Vec3A::from(self.watch.drift * h), particles);

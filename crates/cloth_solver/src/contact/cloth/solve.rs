@@ -7,7 +7,7 @@
 
 use glam::Vec3A;
 
-use super::nearest::Nearest;
+use super::nearest::{Kind, Nearest};
 use super::stop::Stop;
 use crate::contact::DEPENETRATION_SPEED;
 
@@ -68,6 +68,9 @@ pub(super) struct Contact {
     pushed_mass: f32,
     /// What each particle yields to an impulse along the normal, 1/kg.
     yields: [f32; 4],
+    /// What an impulse of friction on the points turns into along the normal on each particle, so that it has no moment although the
+    /// points are apart, dimensionless.
+    levers: [Vec3A; 4],
     /// Speed at which they may approach, m/s.
     allowed: f32,
     /// From where the normal was taken to the end of the substep, s.
@@ -91,10 +94,9 @@ pub(super) struct Law {
 
 impl Contact {
     /// Of a pair that keeps `keep` m and has these nearest points the part `t` (0..1) into the substep. `None` if nothing of it can move.
-    pub fn new(ids: [u32; 4], found: &Nearest, keep: f32, t: f32, bodies: &Bodies, law: &Law) -> Option<Self> {
+    pub fn new(kind: Kind, ids: [u32; 4], found: &Nearest, keep: f32, t: f32, bodies: &Bodies, law: &Law) -> Option<Self> {
         let Nearest { weights, between } = *found;
         let distance = between.length();
-        let inertia: f32 = (0..4).map(|i| bodies.inverse_mass[ids[i] as usize] * weights[i] * weights[i]).sum();
         let normal = between / distance;
         // What a collider holds yields to nothing that presses on it (shock propagation: Guendelman, Bridson, Fedkiw 2003).
         let yields: [f32; 4] = core::array::from_fn(|i| {
@@ -106,6 +108,10 @@ impl Contact {
         if pushed <= 0.0 || distance <= 0.0 {
             return None;
         }
+        let levers = levers(kind, &ids.map(|id| bodies.starts[id as usize]), &weights, between);
+        let inertia: f32 = (0..4)
+            .map(|i| bodies.inverse_mass[ids[i] as usize] * (weights[i] * weights[i] + levers[i].length_squared()))
+            .sum();
         let left = (1.0 - t) * law.h;
         let missing = (keep - distance).max(0.0);
         Some(Self {
@@ -115,6 +121,7 @@ impl Contact {
             mass: 1.0 / inertia,
             pushed_mass: 1.0 / pushed,
             yields,
+            levers,
             allowed: if t > 0.0 { 0.0 } else { (distance - keep).max(0.0) / law.h },
             left,
             target: keep.min(distance) + (law.made_up * missing).min(DEPENETRATION_SPEED * law.h),
@@ -138,13 +145,17 @@ impl Contact {
         }
         let pushed = push - self.push;
         // Friction stops what slides once that impulse has acted, as far as the whole of it allows.
-        let sliding = relative - self.normal * along;
+        let mut sliding = relative - self.normal * along;
+        for i in 0..4 {
+            sliding += self.levers[i] * bodies.velocity[self.ids[i] as usize].dot(self.normal);
+        }
         let rub = (self.rub - sliding * self.mass).clamp_length_max(friction * push);
         let (pushed, rubbed) = (self.normal * pushed, rub - self.rub);
         (self.push, self.rub) = (push, rub);
         for i in 0..4 {
             let id = self.ids[i] as usize;
-            let change = pushed * self.yields[i] + rubbed * (self.weights[i] * bodies.inverse_mass[id]);
+            let turned = rubbed * self.weights[i] + self.normal * self.levers[i].dot(rubbed);
+            let change = pushed * self.yields[i] + turned * bodies.inverse_mass[id];
             bodies.velocity[id] += change;
             bodies.moved[id] += change * self.left;
         }
@@ -160,6 +171,35 @@ impl Contact {
                 let id = self.ids[i] as usize;
                 bodies.moved[id] += shift * self.yields[i];
             }
+        }
+    }
+}
+
+/// See [`Contact::levers`]: the velocity of the second feature is taken where the first one's point is, as if it were rigid.
+#[inline(always)]
+fn levers(kind: Kind, points: &[Vec3A; 4], weights: &[f32; 4], between: Vec3A) -> [Vec3A; 4] {
+    let none = [Vec3A::ZERO; 4];
+    if weights.contains(&0.0) {
+        return none;
+    }
+    match kind {
+        Kind::VertexTriangle => {
+            let [_, a, b, c] = *points;
+            let normal = (b - a).cross(c - a);
+            let scale = between.length() / normal.length_squared();
+            [Vec3A::ZERO, normal.cross(c - b) * scale, normal.cross(a - c) * scale, normal.cross(b - a) * scale]
+        }
+        Kind::EdgeEdge => {
+            let (first, second) = (points[1] - points[0], points[3] - points[2]);
+            let parallelogram = between.dot(first.cross(second));
+            // Nearly parallel edges would be turned far too much.
+            if parallelogram.abs() < 0.2 * between.length() * first.length() * second.length() {
+                return none;
+            }
+            let scale = between.length_squared() / parallelogram;
+            let normal = between.normalize();
+            let (on_first, on_second) = (second.cross(normal) * scale, normal.cross(first) * scale);
+            [-on_first, on_first, -on_second, on_second]
         }
     }
 }

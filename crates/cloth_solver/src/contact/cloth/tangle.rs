@@ -4,11 +4,12 @@
 //! Where an edge passes through a triangle neither has a side, so that near there nothing is kept apart; instead both are moved so that the
 //! line along which the surfaces intersect becomes shorter, at a bounded speed that never becomes velocity.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::Vec3A;
 
 use super::hierarchy::Hierarchy;
+use super::nearest::Kind;
 use crate::measure::{Passage, passes};
 use crate::{Particles, Topology};
 
@@ -21,22 +22,20 @@ pub(super) struct Tangle {
     pub passages: Vec<Passage>,
     /// For each of them the particles opposite to the edge; twice the same at the border.
     opposite: Vec<[u32; 2]>,
-    /// Whether a particle belongs to an edge or triangle of one of them.
-    is_part: Vec<bool>,
+    /// The pairs of features that an edge and a triangle consist of that pass through each other.
+    pairs: HashSet<[u32; 4]>,
 }
 
 impl Tangle {
-    pub fn new(topology: &Topology) -> Self {
-        Self { passages: Vec::new(), opposite: Vec::new(), is_part: vec![false; topology.slots()] }
-    }
-
     /// Finds where the cloth passes through itself with its particles at `positions`.
     pub fn find(&mut self, topology: &Topology, hierarchy: &mut Hierarchy, positions: &[Vec3A]) {
         self.passages = crate::measure::passages(topology, hierarchy, positions);
-        self.is_part.fill(false);
+        self.pairs.clear();
         for passage in &self.passages {
-            let corners = topology.triangles[passage.triangle as usize];
-            passage.edge.iter().chain(&corners).for_each(|slot| self.is_part[*slot as usize] = true);
+            let ([a, b], [c, d, e]) = (passage.edge, topology.triangles[passage.triangle as usize]);
+            let pairs = [(Kind::VertexTriangle, [a, c, d, e]), (Kind::VertexTriangle, [b, c, d, e])];
+            let sides = [[c, d], [d, e], [e, c]].map(|[c, d]| (Kind::EdgeEdge, [a, b, c, d]));
+            self.pairs.extend(pairs.into_iter().chain(sides).map(|(kind, ids)| key(kind, ids)));
         }
         let mut beside: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
         for corners in topology.triangles.iter().filter(|_| !self.passages.is_empty()) {
@@ -49,14 +48,27 @@ impl Tangle {
         self.opposite.extend(self.passages.iter().map(|passage| beside[&passage.edge]));
     }
 
-    /// Whether both sides of a pair are part of where the cloth passes through itself.
-    #[inline(always)]
-    pub fn involves(&self, first: &[u32], second: &[u32]) -> bool {
-        if self.passages.is_empty() {
-            return false;
+    /// Whether the features of a pair belong to an edge and a triangle that pass through each other.
+    pub fn involves(&self, kind: Kind, ids: [u32; 4]) -> bool {
+        !self.pairs.is_empty() && self.pairs.contains(&key(kind, ids))
+    }
+}
+
+/// The same for every order of the particles of a feature, and of two edges.
+fn key(kind: Kind, ids: [u32; 4]) -> [u32; 4] {
+    match kind {
+        Kind::VertexTriangle => {
+            let mut corners = [ids[1], ids[2], ids[3]];
+            corners.sort_unstable();
+            // Apart from edges, of which the first particle is the smallest.
+            [ids[0] | 1 << 31, corners[0], corners[1], corners[2]]
         }
-        let is_part = |slot: &u32| self.is_part[*slot as usize];
-        first.iter().any(is_part) && second.iter().any(is_part)
+        Kind::EdgeEdge => {
+            let [a, b, c, d] = ids;
+            let mut edges = [[a.min(b), a.max(b)], [c.min(d), c.max(d)]];
+            edges.sort_unstable();
+            [edges[0][0], edges[0][1], edges[1][0], edges[1][1]]
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Impact zones: particles that move as one rigid body for a substep, because no impulses kept them apart (Provot 1997; Bridson,
 //! Fedkiw, Anderson 2002). What moves rigidly does not pass through itself.
 
-use glam::{Mat3A, Quat, Vec3A};
+use glam::{DMat3, DQuat, DVec3, Vec3A};
 
 use super::solve::Bodies;
 
@@ -74,29 +74,40 @@ fn stiffen(zone: &[(u32, u32)], bodies: &mut Bodies) {
     if lightest <= 0.0 {
         return;
     }
-    let mass = |slot: usize| if bodies.inverse_mass[slot] > 0.0 { 1.0 / bodies.inverse_mass[slot] } else { PINNED / lightest };
-    let total: f32 = slots().map(mass).sum();
-    let mean = |of: &[Vec3A]| slots().map(|slot| of[slot] * mass(slot)).sum::<Vec3A>() / total;
+    let mass = |slot: usize| {
+        let inverse = bodies.inverse_mass[slot];
+        f64::from(if inverse > 0.0 { 1.0 / inverse } else { PINNED / lightest })
+    };
+    let total: f64 = slots().map(mass).sum();
+    let mean = |of: &[Vec3A]| slots().map(|slot| of[slot].as_dvec3() * mass(slot)).sum::<DVec3>() / total;
     let (centre, drift, velocity) = (mean(&bodies.starts), mean(&bodies.moved), mean(&bodies.velocity));
-    let (mut inertia, mut turn, mut spin) = (Mat3A::ZERO, Vec3A::ZERO, Vec3A::ZERO);
-    for slot in slots() {
-        let arm = bodies.starts[slot] - centre;
-        let m = mass(slot);
-        inertia += Mat3A::from_diagonal(glam::Vec3::splat(m * arm.length_squared()))
-            - Mat3A::from_cols(arm * (m * arm.x), arm * (m * arm.y), arm * (m * arm.z));
-        turn += arm.cross(bodies.moved[slot] - drift) * m;
-        spin += arm.cross(bodies.velocity[slot] - velocity) * m;
+    let arm = |slot: usize| bodies.starts[slot].as_dvec3() - centre;
+    let turn = inverse_inertia(slots().map(|slot| (mass(slot), arm(slot))))
+        * slots().map(|slot| arm(slot).cross(bodies.moved[slot].as_dvec3() - drift) * mass(slot)).sum::<DVec3>();
+    let rotation = DQuat::from_scaled_axis(turn);
+    // Velocities have the angular momentum that they had about where the particles would have been.
+    let spin = inverse_inertia(slots().map(|slot| (mass(slot), rotation * arm(slot))))
+        * slots()
+            .map(|slot| {
+                let end = arm(slot) + bodies.moved[slot].as_dvec3() - drift;
+                end.cross(bodies.velocity[slot].as_dvec3() - velocity) * mass(slot)
+            })
+            .sum::<DVec3>();
+    for slot in slots().filter(|slot| bodies.inverse_mass[*slot] > 0.0) {
+        let from = bodies.starts[slot].as_dvec3() - centre;
+        let to = rotation * from;
+        bodies.moved[slot] = (drift + (to - from)).as_vec3a();
+        bodies.velocity[slot] = (velocity + spin.cross(to)).as_vec3a();
     }
-    // Four particles are never quite on a line, but nearly.
+}
+
+/// The inverse of the moment of inertia of masses at these places about the origin, 1/(kg·m²).
+fn inverse_inertia(masses: impl Iterator<Item = (f64, DVec3)>) -> DMat3 {
+    let inertia = masses.fold(DMat3::ZERO, |sum, (m, x)| {
+        let squares = DMat3::from_diagonal(DVec3::splat(x.length_squared()));
+        sum + (squares - DMat3::from_cols(x * x.x, x * x.y, x * x.z)) * m
+    });
+    // Particles are never quite on a line, but nearly.
     let size = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    let inverse = (inertia + Mat3A::from_diagonal(glam::Vec3::splat(1e-5 * size))).inverse();
-    let (turn, spin) = (inverse * turn, inverse * spin);
-    let rotation = Quat::from_scaled_axis(turn.into());
-    for slot in slots() {
-        if bodies.inverse_mass[slot] > 0.0 {
-            let arm = bodies.starts[slot] - centre;
-            bodies.moved[slot] = drift + (rotation * arm - arm);
-            bodies.velocity[slot] = velocity + spin.cross(arm);
-        }
-    }
+    (inertia + DMat3::from_diagonal(DVec3::splat(1e-9 * size))).inverse()
 }

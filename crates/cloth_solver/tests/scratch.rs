@@ -124,3 +124,30 @@ fn halves() {
         for p in all.iter().take(4) { println!("{p:?} {:?}", cloth.topology.triangles[p.triangle as usize]); for id in p.edge.iter().chain(&cloth.topology.triangles[p.triangle as usize]) { println!("{id} rest {} from {} to {} v {}", cloth.topology.rest[*id as usize], cloth.particles.previous.get(*id as usize), cloth.particles.position.get(*id as usize), cloth.particles.velocity.get(*id as usize)); } }
     }
 }
+
+#[test]
+fn layers() {
+    let f = fabric();
+    let n: u32 = std::env::var("LAYERS").map_or(4, |s| s.parse().unwrap());
+    let (length, radius) = (0.25, 0.02);
+    let period = length + std::f32::consts::PI * radius;
+    let width = period * n as f32;
+    let mut cloth = rectangle(width, 0.4, (width / 0.4 * 15 as f32) as u32, 15, &f);
+    for slot in 0..cloth.topology.slots() {
+        let rest = cloth.topology.rest[slot];
+        let along = rest.x + 0.5 * width;
+        let layer = ((along / period) as u32).min(n - 1);
+        let (rest_of_it, is_back) = (along - layer as f32 * period, layer % 2 == 1);
+        let (sin, cos) = ((rest_of_it - length).max(0.0) / radius).sin_cos();
+        let x = rest_of_it.min(length) + radius * sin;
+        let y = (2 * layer) as f32 * radius + radius * (1.0 - cos) + 0.01;
+        let x = Vec3::new(if is_back { length - x } else { x }, y, rest.y);
+        cloth.particles.position.set(slot, x);
+        cloth.particles.previous.set(slot, x);
+    }
+    cloth.contacts.set_colliders([collider(Shape::HalfSpace, Vec3::ZERO, Quat::IDENTITY, f.friction)]);
+    on(&mut cloth, &f);
+    report(&mut cloth, secs(), "layers");
+    let (lo, hi) = measure::bounds(&cloth.topology, &cloth.particles.position);
+    println!("{lo} {hi} strain {}", measure::largest_strain(&cloth.topology, &cloth.particles));
+}

@@ -144,7 +144,7 @@ impl Response {
         for slot in self.used.iter().map(|slot| *slot as usize) {
             let way = (self.bodies.moved[slot] - drift).length();
             if self.path[slot] + way > self.assumed[slot] {
-                self.assumed[slot] = self.path[slot] + 1.2 * way + slack;
+                self.assumed[slot] = self.path[slot] + 1.3 * way + slack;
                 is_more = true;
             }
         }
@@ -224,7 +224,7 @@ impl SelfContacts {
         let h = sub.h;
         let made_up = 1.0 - (-self.settings.rate * h).exp();
         let law = Law { friction: self.settings.friction, made_up, h };
-        let slack = 0.1 * self.settings.distance;
+        let slack = 0.02 * self.settings.distance;
         self.response.reset(particles, h, slack);
         if self.tangled() > 0 {
             tangle::untangle(&self.tangle, topology, particles, h);
@@ -281,7 +281,7 @@ impl Response {
         for stop in &mut self.stops {
             stop.advance(h);
             let id = stop.particle as usize;
-            let is_held = stop.height(self.bodies.starts[id], h) < slack;
+            let is_held = stop.height(self.bodies.starts[id], h) < 5.0 * slack;
             self.bodies.held[id] = if is_held { stop.normal } else { Vec3A::ZERO };
         }
         for slot in self.used.iter().map(|slot| *slot as usize) {

@@ -14,9 +14,6 @@ use crate::contact::DEPENETRATION_SPEED;
 /// Sweeps over the velocities.
 const SWEEPS: u32 = 3;
 
-/// Cosine of the angle to a collider's normal within which what it holds cannot be pressed.
-const HELD: f32 = 0.7;
-
 /// Sweeps over the positions.
 const POSITION_SWEEPS: u32 = 1;
 
@@ -66,8 +63,8 @@ pub(super) struct Contact {
     /// Mass that an impulse between the points moves, kg; and one along the normal, which moves nothing that is held against it.
     mass: f32,
     pushed_mass: f32,
-    /// What each particle yields to an impulse along the normal, 1/kg.
-    yields: [f32; 4],
+    /// How each particle yields to an impulse along the normal, 1/kg.
+    yields: [Vec3A; 4],
     /// What an impulse of friction on the points turns into along the normal on each particle, so that it has no moment although the
     /// points are apart, dimensionless.
     levers: [Vec3A; 4],
@@ -98,14 +95,17 @@ impl Contact {
         let Nearest { weights, between } = *found;
         let distance = between.length();
         let normal = between / distance;
-        // What a collider holds yields to nothing that presses on it (shock propagation: Guendelman, Bridson, Fedkiw 2003).
-        let yields: [f32; 4] = core::array::from_fn(|i| {
+        // What lies on a collider does not yield towards it (shock propagation: Guendelman, Bridson, Fedkiw 2003).
+        let yields: [Vec3A; 4] = core::array::from_fn(|i| {
             let id = ids[i] as usize;
-            let is_held = weights[i] * bodies.held[id].dot(normal) < -HELD * weights[i].abs();
-            if is_held { 0.0 } else { bodies.inverse_mass[id] * weights[i] }
+            let into = bodies.held[id].dot(normal);
+            let along = if weights[i] * into < 0.0 { normal - bodies.held[id] * into } else { normal };
+            along * (bodies.inverse_mass[id] * weights[i])
         });
-        let pushed: f32 = (0..4).map(|i| yields[i] * weights[i]).sum();
-        if pushed <= 0.0 || distance <= 0.0 {
+        let pushed: f32 = (0..4).map(|i| yields[i].dot(normal) * weights[i]).sum();
+        // Nothing to move, but for rounding.
+        let free: f32 = (0..4).map(|i| bodies.inverse_mass[ids[i] as usize] * weights[i] * weights[i]).sum();
+        if pushed <= 1e-4 * free || distance <= 0.0 {
             return None;
         }
         let levers = levers(kind, &ids.map(|id| bodies.starts[id as usize]), &weights, between);
@@ -150,12 +150,12 @@ impl Contact {
             sliding += self.levers[i] * bodies.velocity[self.ids[i] as usize].dot(self.normal);
         }
         let rub = (self.rub - sliding * self.mass).clamp_length_max(friction * push);
-        let (pushed, rubbed) = (self.normal * pushed, rub - self.rub);
+        let rubbed = rub - self.rub;
         (self.push, self.rub) = (push, rub);
         for i in 0..4 {
             let id = self.ids[i] as usize;
             let turned = rubbed * self.weights[i] + self.normal * self.levers[i].dot(rubbed);
-            let change = pushed * self.yields[i] + turned * bodies.inverse_mass[id];
+            let change = self.yields[i] * pushed + turned * bodies.inverse_mass[id];
             bodies.velocity[id] += change;
             bodies.moved[id] += change * self.left;
         }
@@ -166,10 +166,10 @@ impl Contact {
         let from = weighted(&bodies.starts, &self.ids, &self.weights);
         let gap = (from + weighted(&bodies.moved, &self.ids, &self.weights)).dot(self.normal);
         if gap < self.target {
-            let shift = self.normal * ((self.target - gap) * self.pushed_mass);
+            let shift = (self.target - gap) * self.pushed_mass;
             for i in 0..4 {
                 let id = self.ids[i] as usize;
-                bodies.moved[id] += shift * self.yields[i];
+                bodies.moved[id] += self.yields[i] * shift;
             }
         }
     }

@@ -9,8 +9,8 @@ mod cloth;
 mod respond;
 mod shape;
 
-pub use cloth::{SelfContact, SelfContacts, collide_self};
 pub(crate) use cloth::{Bounds, Hierarchy};
+pub use cloth::{SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
 

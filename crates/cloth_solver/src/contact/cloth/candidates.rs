@@ -165,9 +165,11 @@ impl Pairs {
                         continue;
                     }
                     let owned_b = self.owned[b as usize];
-                    let two = [(owned_a, corners_a, owned_b, corners_b, box_b), (owned_b, corners_b, owned_a, corners_a, box_a)];
-                    for (owned, from, to_owned, to, to_box) in two
-                    {
+                    let two = [
+                        (owned_a, corners_a, owned_b, corners_b, box_b),
+                        (owned_b, corners_b, owned_a, corners_a, box_a),
+                    ];
+                    for (owned, from, to_owned, to, to_box) in two {
                         for i in (0..3).filter(|i| owned.corners[*i]) {
                             if !to.contains(&from[i]) && bounds[from[i] as usize].overlaps(&to_box) {
                                 add(Kind::VertexTriangle, [from[i], to[0], to[1], to[2]], to_owned);
@@ -179,7 +181,10 @@ impl Pairs {
                         let first_box = around(&first);
                         for j in (0..3).filter(|j| owned_b.sides[*j]) {
                             let second = side(corners_b, j);
-                            if !second.contains(&first[0]) && !second.contains(&first[1]) && first_box.overlaps(&around(&second)) {
+                            if !second.contains(&first[0])
+                                && !second.contains(&first[1])
+                                && first_box.overlaps(&around(&second))
+                            {
                                 add(Kind::EdgeEdge, [first[0], first[1], second[0], second[1]], Owned::default());
                             }
                         }
@@ -206,7 +211,8 @@ impl Pairs {
         let found = nearest(kind, &four(starts, &ids));
         let distance = found.between.length();
         let expected = |slot: &u32| self.expected[*slot as usize];
-        let approach = first.iter().map(expected).flat_map(|a| second.iter().map(expected).map(move |b| a.approach(&b)));
+        let approach =
+            first.iter().map(expected).flat_map(|a| second.iter().map(expected).map(move |b| a.approach(&b)));
         let approach = approach.fold(0.0, f32::max);
         if distance > settings.distance + approach || tangle.involves(kind, ids) {
             return None;

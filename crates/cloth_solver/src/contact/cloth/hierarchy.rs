@@ -159,7 +159,8 @@ impl Hierarchy {
         }
         let is_doubled = doubled(topology);
         for patch in &mut self.patches {
-            patch.neighbors = patch.particles.iter().flat_map(|slot| patches_at[*slot as usize].iter().copied()).collect();
+            patch.neighbors =
+                patch.particles.iter().flat_map(|slot| patches_at[*slot as usize].iter().copied()).collect();
             patch.neighbors.sort_unstable();
             patch.neighbors.dedup();
             patch.is_slit = patch.particles.iter().any(|slot| is_doubled[*slot as usize]);

@@ -220,7 +220,13 @@ fn ways(of: &[f32], pair: &Pair) -> f32 {
 
 impl SelfContacts {
     /// Keeps the pairs apart in one substep.
-    pub(super) fn respond(&mut self, topology: &Topology, particles: &mut Particles, contacts: &Contacts, sub: &Substep) {
+    pub(super) fn respond(
+        &mut self,
+        topology: &Topology,
+        particles: &mut Particles,
+        contacts: &Contacts,
+        sub: &Substep,
+    ) {
         let h = sub.h;
         let made_up = 1.0 - (-self.settings.rate * h).exp();
         let law = Law { friction: self.settings.friction, made_up, h };
@@ -254,20 +260,6 @@ impl SelfContacts {
             }
             if !self.response.check(round, &law) {
                 break;
-            }
-            if round == MOST_ROUNDS - 1 { eprintln!("DEBUG rounds"); }
-        }
-        if std::env::var("DEB").is_ok() {
-            let n = crate::measure::crossings(topology, particles);
-            if !n.is_empty() { eprintln!("\nDEBUG tangled {:?} crossings {} near {} contacts {} zones {} searches {} pairs {} sub {:?}", self.tangle.passages, n.len(), self.response.near.len(), self.response.contacts.len(), !self.response.zones.is_empty(), self.watch.searches, self.pairs.len(), sub);
-            for p in n.iter().take(3) {
-                let t = topology.triangles[p.triangle as usize];
-                eprintln!("{p:?} {t:?}");
-                for pair in &self.pairs.all { let has = |ids: &[u32]| ids.iter().all(|i| pair.ids.contains(i)); if (has(&t)) || (has(&p.edge) && pair.ids.iter().filter(|i| t.contains(i)).count() == 2) { 
-                    let f = nearest(pair.kind, &four(&self.response.bodies.starts, &pair.ids));
-                    eprintln!("  {:?} {:?} start {:e} now {:e} w {:?} limit {:e} assumed {:e}", pair.kind, pair.ids, f.between.length(), nearest(pair.kind, &pair.ids.map(|i| Vec3A::from(particles.position.get(i as usize)))).between.length(), f.weights, pair.limit, ways(&self.response.assumed, pair)); } }
-            }
-            std::process::exit(1);
             }
         }
         self.response.finish(Vec3A::from(self.watch.drift * h), particles);

@@ -72,7 +72,7 @@ pub(super) struct Contact {
     allowed: f32,
     /// From where the normal was taken to the end of the substep, s.
     left: f32,
-    /// Distance at which the pair has to end, m.
+    /// Distance at which the pair has to end, m; none of one that meets within the substep.
     target: f32,
     /// Impulse along the normal so far, kg·m/s.
     push: f32,
@@ -91,7 +91,15 @@ pub(super) struct Law {
 
 impl Contact {
     /// Of a pair that keeps `keep` m and has these nearest points the part `t` (0..1) into the substep. `None` if nothing of it can move.
-    pub fn new(kind: Kind, ids: [u32; 4], found: &Nearest, keep: f32, t: f32, bodies: &Bodies, law: &Law) -> Option<Self> {
+    pub fn new(
+        kind: Kind,
+        ids: [u32; 4],
+        found: &Nearest,
+        keep: f32,
+        t: f32,
+        bodies: &Bodies,
+        law: &Law,
+    ) -> Option<Self> {
         let Nearest { weights, between } = *found;
         let distance = between.length();
         let normal = between / distance;
@@ -114,6 +122,7 @@ impl Contact {
             .sum();
         let left = (1.0 - t) * law.h;
         let missing = (keep - distance).max(0.0);
+        let made_up = (law.made_up * missing).min(DEPENETRATION_SPEED * law.h);
         Some(Self {
             ids,
             weights,
@@ -124,7 +133,7 @@ impl Contact {
             levers,
             allowed: if t > 0.0 { 0.0 } else { (distance - keep).max(0.0) / law.h },
             left,
-            target: keep.min(distance) + (law.made_up * missing).min(DEPENETRATION_SPEED * law.h),
+            target: if t > 0.0 { f32::NEG_INFINITY } else { keep.min(distance) + made_up },
             push: 0.0,
             rub: Vec3A::ZERO,
         })

@@ -118,7 +118,7 @@ fn has_been_left<S: Simd>(simd: S, watch: &Watch, position: &Soa3) -> bool {
         let off = Vec3x8::load(simd, position, i) - drifted - path;
         let reach = load(simd, &watch.reach, i);
         // Negated, so that what is not a number has left.
-        is_left = is_left | !(off.dot(off).simd_le(reach * reach) & reach.simd_ge(zero));
+        is_left |= !(off.dot(off).simd_le(reach * reach) & reach.simd_ge(zero));
     }
     is_left.any_true()
 }
@@ -135,7 +135,7 @@ impl SelfContacts {
         }
         watch.drift = if mass > 0.0 { momentum / mass } else { Vec3::ZERO };
         watch.ticks += 1;
-        watch.is_suspect |= watch.ticks % TICKS_TO_CHECK == 0;
+        watch.is_suspect |= watch.ticks.is_multiple_of(TICKS_TO_CHECK);
         if !self.tangle.passages.is_empty() || self.response.was_moved(&particles.previous) {
             watch.is_suspect = true;
             watch.expire();

@@ -1,6 +1,6 @@
 //! Cloth against cloth: no vertex passes through a triangle and no edge through an edge, at any speed.
 //!
-//! 1. **Candidates** ([`detect`](SelfContacts)): the pairs of features that may come within the distance kept while every particle
+//! 1. **Candidates**: the pairs of features that may come within the distance kept while every particle
 //!    stays near the path that its velocity predicts. Looked for again once one has left it, which is once in a tick or less.
 //! 2. **Response**, in each substep: the velocities that keep the pairs apart, by Gauss–Seidel on accumulated impulses. They act at the
 //!    nearest points where the substep began and along the line between them, so that momentum and angular momentum stay; they
@@ -8,7 +8,7 @@
 //! 3. **Check**: pairs that no plane parts over the whole substep are swept; those that meet get a contact where they do, and what meets
 //!    even then moves as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
 //!
-//! So what begins free of intersections stays free of them. What begins tangled is untangled: see [`tangle`].
+//! So what begins free of intersections stays free of them. What begins tangled is untangled: see `tangle`.
 
 mod candidates;
 mod detect;

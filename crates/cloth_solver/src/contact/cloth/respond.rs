@@ -236,10 +236,14 @@ impl SelfContacts {
             tangle::untangle(&self.tangle, topology, particles, h);
             self.response.gather(particles);
         }
+        let mut may_find_more = true;
         for round in 0..MOST_ROUNDS {
             let drift = Vec3A::from(self.watch.drift * h);
-            self.response.assume(drift, slack);
-            self.watch.is_suspect |= self.response.find_near(&mut self.pairs, &law);
+            may_find_more |= self.response.assume(drift, slack);
+            if may_find_more {
+                self.watch.is_suspect |= self.response.find_near(&mut self.pairs, &law);
+                may_find_more = false;
+            }
             if round <= SWEPT_ROUNDS {
                 if self.response.contacts.is_empty() && round == 0 && self.response.near.is_empty() {
                     break;
@@ -253,9 +257,11 @@ impl SelfContacts {
             self.response.scatter(particles);
             if self.watch.has_been_left(&particles.position) {
                 self.detect(topology, particles, contacts, sub, true);
+                may_find_more = true;
                 continue;
             }
             if self.response.assume(drift, slack) {
+                may_find_more = true;
                 continue;
             }
             if !self.response.check(round, &law) {

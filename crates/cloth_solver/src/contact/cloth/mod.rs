@@ -6,9 +6,9 @@
 //!    nearest points where the substep began and along the line between them, so that momentum and angular momentum stay; they
 //!    only take energy. What is nearer than the distance kept is moved apart, and that never becomes velocity.
 //! 3. **Check**: pairs that no plane parts over the whole substep are swept; those that meet get a contact where they do, and what meets
-//!    even then moves as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
+//!    even then moves nearly as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
 //!
-//! So what begins free of intersections stays free of them. What begins tangled is untangled: see `tangle`.
+//! So what begins free of intersections stays free of them, but for what a cut leaves in one place, which is on no side of itself. What begins tangled is untangled: see `tangle`.
 
 mod candidates;
 mod detect;

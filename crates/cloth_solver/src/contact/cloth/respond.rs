@@ -200,7 +200,7 @@ impl Response {
                     let found = nearest(near.kind, &core::array::from_fn(|i| starts[i] + moved[i] * t));
                     self.contacts.extend(Contact::new(near.kind, near.ids, &found, near.least, t, &self.bodies, law));
                 } else {
-                    self.zones.join(&near.ids);
+                    self.zones.join(&near.ids, t, &self.bodies);
                 }
             }
         }

@@ -5,9 +5,12 @@
 //! the sliding as much as the removed part allows, in position and in velocity alike, so that cloth at rest does not
 //! creep.
 
+mod cloth;
 mod respond;
 mod shape;
 
+pub(crate) use cloth::{Bounds, Hierarchy};
+pub use cloth::{SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
 

@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use cloth_solver::ClothError;
 
+use crate::sleep::WakeCause;
+
 /// Authored data of a cloth was refused: the cloth is out of the simulation until its data changes to something
 /// allowed. Told, and logged, once for each change.
 ///
@@ -189,5 +191,32 @@ pub struct ClothBurntOut {
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ResetCloth {
     /// The cloth. An entity that is no running cloth is left alone.
+    pub entity: Entity,
+}
+
+/// A cloth came to rest and is not advanced any more; see [`ClothSleep`](crate::ClothSleep).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothFellAsleep {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth that was asleep is advanced again; see [`ClothSleep`](crate::ClothSleep).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothWoke {
+    /// The cloth.
+    pub entity: Entity,
+    /// What woke it.
+    pub cause: WakeCause,
+}
+
+/// Trigger this to wake a cloth. If nothing moves it, it falls asleep again after [`ClothSleep::time`](crate::ClothSleep::time).
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct WakeCloth {
+    /// The cloth. One that is awake is left alone.
     pub entity: Entity,
 }

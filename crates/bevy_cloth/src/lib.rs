@@ -106,6 +106,7 @@ pub mod pins;
 pub mod render;
 pub mod schedule;
 pub mod settings;
+pub mod sleep;
 pub mod stats;
 pub mod teleport;
 pub mod weights;
@@ -128,8 +129,9 @@ pub use damage::{
 };
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
-    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
+    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth,
+    WakeCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};
@@ -138,6 +140,7 @@ pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 pub use render::{ClothColoring, ClothFlames};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
+pub use sleep::{ClothAsleep, ClothSleep, WakeCause};
 pub use stats::ClothStats;
 pub use teleport::{Teleport, TeleportPolicy};
 pub use weights::{Weight, Weights};

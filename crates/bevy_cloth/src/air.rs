@@ -51,7 +51,7 @@ impl Surroundings {
         let wind = if self.has_own { &self.own } else { &shared.0 };
         self.field.set_wind(wind, &frame.pose);
         self.field.set_zones(sources.zones_seen_from(frame));
-        self.field.set_fans(sources.fans_seen_from(frame), &colliders.seen_from(frame));
+        self.field.set_fans(sources.fans_seen_from(frame), &colliders.seen_by(frame, 0.0).collect::<Vec<_>>());
         self.field.is_below(limit, points)
     }
 

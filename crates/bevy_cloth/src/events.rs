@@ -220,3 +220,34 @@ pub struct WakeCloth {
     /// The cloth. One that is awake is left alone.
     pub entity: Entity,
 }
+
+/// A cloth touches a collider that has [`ContactEvents`](crate::ContactEvents), and did not before.
+///
+/// An event at the collider and a message; at most one for each cloth in a tenth of a second.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ContactBegan {
+    /// The collider.
+    pub entity: Entity,
+    /// The cloth.
+    pub cloth: Entity,
+    /// How fast the fastest of its particles came against it, along the normal, m/s.
+    pub speed: f32,
+    /// What the cloth gave to the collider in this tick, N·s.
+    pub impulse: f32,
+}
+
+/// A cloth has not touched a collider that has [`ContactEvents`](crate::ContactEvents) for a tenth of a second, or one of the two is
+/// gone. Each [`ContactBegan`] is followed by exactly one of these.
+///
+/// An event at the collider and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ContactEnded {
+    /// The collider.
+    pub entity: Entity,
+    /// The cloth.
+    pub cloth: Entity,
+    /// The strongest impulse of the cloth on the collider in one tick, N·s.
+    pub impulse: f32,
+    /// From the first touch to the last, s.
+    pub duration: f32,
+}

@@ -96,6 +96,7 @@ pub mod air;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
+pub mod contact;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
@@ -123,6 +124,7 @@ pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
+pub use contact::{ClothForce, ContactEvents};
 pub use damage::{
     ATTRIBUTE_STRENGTH, ClothFire, ClothPiece, ClothPieces, Contagion, CutCloth, Flammability, Flammable, IgniteCloth,
     TearCloth, Tearable, WetCloth,
@@ -130,8 +132,8 @@ pub use damage::{
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
-    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth,
-    WakeCloth, WindRejected,
+    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, ContactBegan, ContactEnded, DebrisGone,
+    PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};

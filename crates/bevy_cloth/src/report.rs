@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use crate::events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
-    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, DebrisGone, PiecesSeparated, WindRejected,
+    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, ContactBegan, ContactEnded, DebrisGone,
+    PiecesSeparated, WindRejected,
 };
 
 /// What can be told.
@@ -100,6 +101,18 @@ impl Report for ClothFellAsleep {
 impl Report for ClothWoke {
     fn log(&self, name: &str) {
         trace!("cloth {name} woke: {:?}", self.cause);
+    }
+}
+
+impl Report for ContactBegan {
+    fn log(&self, name: &str) {
+        trace!("collider {name} is touched by cloth {} at {} m/s", self.cloth, self.speed);
+    }
+}
+
+impl Report for ContactEnded {
+    fn log(&self, name: &str) {
+        trace!("collider {name} was left by cloth {} after {} s", self.cloth, self.duration);
     }
 }
 

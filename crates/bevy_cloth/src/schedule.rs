@@ -15,7 +15,9 @@ use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, damage, fault, prepare, sleep, stats, step};
+use crate::{
+    Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, contact, damage, fault, prepare, sleep, stats, step,
+};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -122,6 +124,7 @@ impl Plugin for ClothPlugin {
         prepare::plugin(app, self.schedule, in_fixed_loop);
         damage::plugin(app);
         sleep::plugin(app);
+        contact::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]

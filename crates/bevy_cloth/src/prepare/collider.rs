@@ -139,18 +139,18 @@ pub(crate) struct Placed {
 pub(crate) struct Colliders(Vec<Placed>);
 
 impl Colliders {
+    /// Their entities.
+    pub fn entities(&self) -> impl Iterator<Item = Entity> {
+        self.0.iter().map(|collider| collider.entity)
+    }
+
     /// All of them as a cloth in `frame` sees them, where the collider itself does not say how it rubs with `friction`.
-    fn seen_by(&self, frame: &ClothFrame, friction: f32) -> impl Iterator<Item = Collider> {
+    pub fn seen_by(&self, frame: &ClothFrame, friction: f32) -> impl Iterator<Item = Collider> {
         self.0.iter().map(move |collider| Collider {
             shape: collider.shape.clone(),
             motion: seen_from(frame, collider),
             friction: collider.friction.unwrap_or(friction),
         })
-    }
-
-    /// All of them as a cloth in `frame` sees them.
-    pub fn seen_from(&self, frame: &ClothFrame) -> Vec<Collider> {
-        self.seen_by(frame, 0.0).collect()
     }
 }
 

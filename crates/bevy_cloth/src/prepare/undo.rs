@@ -10,6 +10,7 @@ use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
 use crate::air::Surroundings;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
+use crate::contact::Touching;
 use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::settings::Grabs;
 use crate::sleep::ClothAsleep;
@@ -19,7 +20,7 @@ use crate::weights::Loads;
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
-    (ClothPieces, TearState, ClothFire, Rest, ClothAsleep),
+    (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

@@ -92,16 +92,19 @@ impl AsleepItem<'_, '_> {
 
 /// Wakes the cloths that a system pushed between [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) and the first substep.
 pub(crate) fn wake_pushed(
-    mut asleep: Query<(Asleep, &mut StepPlan, Option<&Substeps>)>,
+    mut asleep: Query<(Asleep, &mut StepPlan, &mut Contacts, Option<&Substeps>, Option<&Fabric>)>,
     shared: Res<Shared<Substeps>>,
+    colliders: Res<Colliders>,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
     if tick.still {
         return;
     }
-    for (cloth, mut plan, substeps) in &mut asleep {
+    for (cloth, mut plan, mut contacts, substeps, fabric) in &mut asleep {
         if cloth.is_written() {
+            let friction = fabric.copied().unwrap_or_default().friction;
+            contacts.set_colliders(colliders.seen_by(cloth.frame, friction));
             plan.plan_substeps(substeps.unwrap_or(&shared));
             wake_up(&mut commands, cloth.entity, WakeCause::Particles);
         }

@@ -108,3 +108,39 @@ impl Bed {
         seen::<ClothWoke>(&self.app).iter().map(|woke| woke.cause).collect()
     }
 }
+
+/// Does it to seeded random cloths that are asleep. Each must wake in the very next tick, for that cause.
+pub fn assert_wakes(expected: WakeCause, prepare: impl Fn(&mut Bed), disturb: impl Fn(&mut Bed)) {
+    for seed in 0..4 {
+        let mut bed = Bed::hanging(seed);
+        prepare(&mut bed);
+        run_to_sleep(&mut bed.app, bed.cloth);
+        run(&mut bed.app, 3);
+        let before = bed.causes().len();
+        disturb(&mut bed);
+        bed.app.update();
+        assert_eq!(bed.causes()[before..], [expected], "seed {seed}");
+        assert!(!is_asleep(&bed.app, bed.cloth), "seed {seed}");
+        assert!(get::<ClothStats>(&bed.app, bed.cloth).substeps > 0, "seed {seed}: it took no part in the tick");
+    }
+}
+
+/// Does it to seeded random cloths that are asleep. None must wake within a second.
+pub fn assert_sleeps_on(prepare: impl Fn(&mut Bed), disturb: impl Fn(&mut Bed)) {
+    for seed in 0..4 {
+        let mut bed = Bed::hanging(seed);
+        prepare(&mut bed);
+        run_to_sleep(&mut bed.app, bed.cloth);
+        run(&mut bed.app, 3);
+        let before = (bits(&bed.app, bed.cloth), bed.causes().len());
+        for _ in 0..64 {
+            disturb(&mut bed);
+            bed.app.update();
+        }
+        assert_eq!(bed.causes()[before.1..], [], "seed {seed}");
+        assert_eq!(bits(&bed.app, bed.cloth), before.0, "seed {seed}");
+    }
+}
+
+/// Leaves it as it is.
+pub fn nothing(_: &mut Bed) {}

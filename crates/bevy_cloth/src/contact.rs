@@ -120,12 +120,13 @@ impl ToucherItem<'_, '_> {
         commands: &mut Commands,
     ) {
         let (now, dt) = (time.elapsed(), time.delta());
+        let before = now.saturating_sub(dt);
         let mut new = Touching::default();
         let is_new = self.touching.is_none();
         let pairs = self.touching.as_deref_mut().map_or(&mut new.0, |touching| &mut touching.0);
         for pair in pairs.iter_mut() {
             // A cloth that slept touched it all the time.
-            pair.last = pair.last_touch(now - dt);
+            pair.last = pair.last_touch(before);
             pair.now = ClothForce::default();
         }
         for (collider, touch) in colliders.entities().zip(&self.contacts.touches) {
@@ -135,7 +136,7 @@ impl ToucherItem<'_, '_> {
             let Ok(tells) = wanted.get(collider) else { continue };
             let known = pairs.iter().position(|pair| pair.collider == collider);
             let index = known.unwrap_or_else(|| {
-                pairs.push(Pair::new(collider, now - dt));
+                pairs.push(Pair::new(collider, before));
                 pairs.len() - 1
             });
             let pair = &mut pairs[index];
@@ -148,7 +149,7 @@ impl ToucherItem<'_, '_> {
             }
         }
         pairs.retain(|pair| {
-            let goes_on = now - pair.last < RELEASE && wanted.contains(pair.collider);
+            let goes_on = now.saturating_sub(pair.last) < RELEASE && wanted.contains(pair.collider);
             if !goes_on {
                 pair.end(self.entity, now, commands);
             }

@@ -41,8 +41,9 @@ pub struct ClothSleep {
     /// For how long that must have been so, s; 0 to 1,000. In the meantime its kinetic energy must have fallen, too: what begins
     /// to topple is slow as well. Default 0.5.
     pub time: f32,
-    /// Air that is slower than this at every particle does not move it, m/s; 0 to 100. Default 0.05: a light curtain a metre long
-    /// hangs askew by a millimetre or two in it. Only cloth with the component [`Air`](crate::Air) feels any.
+    /// Air that is slower than this at every particle does not move it, m/s; 0 to 100. Default 0.05: in it a light curtain a metre
+    /// long hangs askew by a few millimetres. Only cloth with the component [`Air`](crate::Air) feels any; at 0 such cloth never
+    /// sleeps.
     pub wind: f32,
 }
 

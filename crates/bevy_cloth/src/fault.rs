@@ -10,6 +10,7 @@ use crate::cloth::{ClothHistory, ClothTopology};
 use crate::events::ClothRecovered;
 use crate::prepare::StepPlan;
 use crate::report::report;
+use crate::sleep::ClothAsleep;
 use crate::step::{ClothTick, clear_forces};
 use crate::weights::Loads;
 
@@ -56,16 +57,19 @@ pub(crate) fn recover(
 
 /// Looks at every cloth that moved in this tick, and brings back those with a number that is not finite.
 pub(crate) fn mend(
-    mut cloths: Query<(
-        Entity,
-        &ClothTopology,
-        Option<&Fabric>,
-        &Loads,
-        &mut Particles,
-        &mut Constraints,
-        &mut ClothHistory,
-        &StepPlan,
-    )>,
+    mut cloths: Query<
+        (
+            Entity,
+            &ClothTopology,
+            Option<&Fabric>,
+            &Loads,
+            &mut Particles,
+            &mut Constraints,
+            &mut ClothHistory,
+            &StepPlan,
+        ),
+        Without<ClothAsleep>,
+    >,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {

@@ -15,7 +15,9 @@ use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, damage, fault, prepare, stats, step};
+use crate::{
+    Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, contact, damage, fault, prepare, sleep, stats, step,
+};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -86,7 +88,7 @@ pub enum ClothSystems {
     Tear,
     /// Burns what is alight. In [`ClothSchedule`].
     Burn,
-    /// Mends faults and takes statistics. In [`ClothSchedule`].
+    /// Lets cloth at rest fall asleep, mends faults and takes statistics. In [`ClothSchedule`].
     Writeback,
     /// Finds how far the shape drawn lies between two ticks and, with the feature `render`, writes the meshes. In
     /// [`PostUpdate`], after the transforms are propagated.
@@ -121,6 +123,8 @@ impl Plugin for ClothPlugin {
         add_schedules(app, self.schedule);
         prepare::plugin(app, self.schedule, in_fixed_loop);
         damage::plugin(app);
+        sleep::plugin(app);
+        contact::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]
@@ -141,7 +145,7 @@ fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
         .configure_sets(ClothSubstepSchedule, (Integrate, Solve, Collide).chain())
         .add_systems(schedule, step::advance.in_set(Advance).before(signal_message_update_system))
         .add_systems(ClothSchedule, (step::hold_still, step::run_substeps).chain().in_set(Substep))
-        .add_systems(ClothSchedule, (fault::mend, stats::measure).chain().in_set(Writeback))
+        .add_systems(ClothSchedule, (sleep::fall_asleep, fault::mend, stats::measure).chain().in_set(Writeback))
         .add_systems(
             ClothSubstepSchedule,
             (

@@ -7,6 +7,7 @@ use cloth_solver::{Particles, measure};
 
 use crate::cloth::ClothTopology;
 use crate::prepare::StepPlan;
+use crate::sleep::ClothAsleep;
 
 /// What a cloth is doing, in numbers. Spawn it beside [`Cloth`](crate::Cloth) to have it measured after every tick;
 /// without it nothing is measured. Writing to it has no effect.
@@ -29,13 +30,18 @@ pub struct ClothStats {
     pub rms_speed: f32,
     /// Kinetic energy, J.
     pub kinetic_energy: f64,
+    /// Whether it is asleep, see [`ClothSleep`](crate::ClothSleep). It then takes no substeps.
+    pub asleep: bool,
 }
 
-/// Measures the clothes that ask for it.
+/// Measures the clothes that ask for it; those that are asleep once.
 pub(crate) fn measure(
-    mut cloths: Query<(&mut ClothStats, &ClothTopology, &Particles, &Constraints, &Contacts, &StepPlan)>,
+    mut cloths: Query<
+        (&mut ClothStats, &ClothTopology, &Particles, &Constraints, &Contacts, &StepPlan, Has<ClothAsleep>),
+        Or<(Without<ClothAsleep>, Added<ClothAsleep>, Added<ClothStats>)>,
+    >,
 ) {
-    for (mut stats, topology, particles, constraints, contacts, plan) in &mut cloths {
+    for (mut stats, topology, particles, constraints, contacts, plan, asleep) in &mut cloths {
         *stats = ClothStats {
             particles: topology.particle_count() as u32,
             triangles: topology.triangles.len() as u32,
@@ -45,6 +51,7 @@ pub(crate) fn measure(
             largest_strain: measure::largest_strain(topology, particles),
             rms_speed: measure::rms_speed(topology, particles),
             kinetic_energy: measure::kinetic_energy(particles),
+            asleep,
         };
     }
 }

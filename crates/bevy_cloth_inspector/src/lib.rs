@@ -25,6 +25,7 @@
 //! | `cloth` | size, resolution, rods |
 //! | `fire` | whether and how it may burn, and what the middle button does |
 //! | `fabric` | preset and every value of the fabric |
+//! | `motion` | whether the cloth sleeps and when; what is a jump |
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `statistics` | particles, strain, frame rate, times |
@@ -36,6 +37,7 @@ mod cloth;
 mod damage;
 mod fabric;
 mod fire;
+mod motion;
 mod object;
 mod outline;
 mod panel;

@@ -8,11 +8,13 @@
 mod cloth;
 mod respond;
 mod shape;
+mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
+pub use touch::Touch;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
@@ -43,6 +45,8 @@ pub struct Contacts {
     pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
     pub colliders: Vec<Collider>,
+    /// What each of them met in the last tick.
+    pub touches: Vec<Touch>,
     /// Contacts between a particle and a collider in the last substep.
     pub touching: u32,
     /// How far the deepest particle was below the offset before it was pushed out in the last substep, m.
@@ -98,6 +102,7 @@ impl Contacts {
 
     /// Replaces the colliders of this tick, keeping the allocation.
     pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
+        self.touches.clear();
         self.colliders.clear();
         self.colliders.extend(colliders);
     }
@@ -114,8 +119,12 @@ pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep
     if contacts.colliders.is_empty() {
         return;
     }
+    if sub.start <= 0.0 {
+        contacts.touches.clear();
+    }
+    contacts.touches.resize(contacts.colliders.len(), Touch::default());
     let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
-    for collider in &contacts.colliders {
+    for (collider, touch) in contacts.colliders.iter().zip(&mut contacts.touches) {
         let pose = collider.motion.at(sub.end);
         let reach = collider.shape.bounding_radius() + contacts.offset;
         let away = pose.position - pose.position.clamp(low, high);
@@ -125,7 +134,8 @@ pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep
         let start = collider.motion.at(sub.start);
         let found =
             dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
-        contacts.touching += found.touching;
+        touch.add(&found.touch);
+        contacts.touching += found.touch.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
     }
 }

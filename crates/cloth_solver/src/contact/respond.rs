@@ -4,14 +4,14 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
-use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
+use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape, Touch};
 use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
-    pub touching: u32,
+    pub touch: Touch,
     pub deepest: f32,
 }
 
@@ -26,13 +26,15 @@ pub(super) fn respond<S: Simd>(
     offset: f32,
     h: f32,
 ) -> Found {
-    let Particles { position, previous, velocity, inverse_mass, .. } = particles;
+    let Particles { position, previous, velocity, mass, inverse_mass, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
     let reach = collider.shape.bounding_radius() + offset;
     let (reach_squared, margin, zero) = (splat(simd, reach * reach), splat(simd, offset), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
     let tiny = splat(simd, f32::MIN_POSITIVE);
     let depenetration = splat(simd, DEPENETRATION_SPEED * h);
+    let still = Vec3x8 { x: zero, y: zero, z: zero };
+    let (mut impulse, mut moment, mut speed) = (still, still, zero);
     let mut found = Found::default();
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
@@ -56,7 +58,8 @@ pub(super) fn respond<S: Simd>(
 
         // What the particle moved against the collider in this substep.
         let carried = x - from.direction(simd, local) - Vec3x8::splat(simd, from.origin);
-        let slip = Vec3x8::load(simd, velocity, i) * step - carried;
+        let v = Vec3x8::load(simd, velocity, i);
+        let slip = v * step - carried;
         let along = slip.dot(normal);
         let approach = (-along).max(zero);
         let sliding = slip - normal * along;
@@ -67,14 +70,25 @@ pub(super) fn respond<S: Simd>(
         let push = buried.select(depth.min(depenetration), depth);
         let placed = x + normal * push - sliding * stopped;
         let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero);
-        let still = Vec3x8 { x: zero, y: zero, z: zero };
         let left = select(buried, still, left) + carried;
         select(hit, placed, x).store(position, i);
-        select(hit, left * per_step, Vec3x8::load(simd, velocity, i)).store(velocity, i);
-        found.touching += hit.to_bitmask().count_ones();
+        let left = left * per_step;
+        select(hit, left, v).store(velocity, i);
+        let given = select(hit, (v - left) * load(simd, mass, i), still);
+        (impulse, moment) = (impulse + given, moment + centred.cross(given));
+        speed = speed.max((hit & !buried).select(approach * per_step, zero));
+        found.touch.touching += hit.to_bitmask().count_ones();
         found.deepest = found.deepest.max(hit.select(depth, zero).reduce_max());
     }
+    (found.touch.impulse, found.touch.moment) = (sum(impulse), sum(moment));
+    found.touch.speed = speed.reduce_max();
     found
+}
+
+/// The sum of eight vectors, in the same order on every instruction set.
+#[inline(always)]
+fn sum<S: Simd>(v: Vec3x8<S>) -> Vec3 {
+    Vec3::from_array([v.x, v.y, v.z].map(|axis| <[f32; LANES]>::from(axis).iter().sum()))
 }
 
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see

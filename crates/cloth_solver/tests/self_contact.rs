@@ -6,7 +6,6 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use cloth_solver::contact::{Contacts, SelfContact, SelfContacts, Shape, collide_self};
-use cloth_solver::damage::Blade;
 use cloth_solver::topology::MeshSource;
 use cloth_solver::{Cloth, Fabric, Tick, Topology, measure};
 use common::*;
@@ -90,7 +89,7 @@ proptest! {
     #[test]
     fn a_sheet_dropped_on_its_edge_lies_in_a_heap_without_a_crossing(
         preset in 0..Fabric::PRESETS.len(), columns in 8_u32..16, rows in 8_u32..16, is_mesh in any::<bool>(),
-        tilt in -0.3_f32..0.3, roll in -0.8_f32..0.8, is_cut in any::<bool>(),
+        tilt in -0.3_f32..0.3, roll in -0.8_f32..0.8,
     ) {
         let fabric = Fabric::PRESETS[preset].1;
         let size = Vec2::new(0.8, 0.7);
@@ -100,20 +99,13 @@ proptest! {
         keep_off_itself(&mut cloth, &fabric);
         for tick in 0..420 {
             cloth.step(TICK, GRAVITY);
-            if is_cut && tick == 20 {
-                let [left, right] = [-0.8, 0.8].map(|x| [Vec3::new(x, 0.5, 9.0), Vec3::new(x, 0.5, -9.0)]);
-                cloth.cut(&Blade { from: left, to: right });
-            }
-            // The two sides of a fresh cut are at one place, on no side of each other.
-            if tick % 6 == 0 && (!is_cut || tick < 20) {
+            if tick % 6 == 0 {
                 prop_assert_eq!(crossings(&cloth), 0, "tick {}", tick);
             }
         }
         let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
-        // The sides of a cut begin at one place, so that some of them may stay in each other.
-        let (most, fastest) = if is_cut { (12, 0.1) } else { (0, 0.03) };
-        prop_assert!(crossings(&cloth) <= most, "{} crossings", crossings(&cloth));
-        prop_assert!(speed < fastest, "{} m/s", speed);
+        prop_assert_eq!(crossings(&cloth), 0);
+        prop_assert!(speed < 0.03, "{} m/s", speed);
     }
 
     #[test]
@@ -214,17 +206,23 @@ fn a_corner_that_begins_through_the_sheet_comes_out_gently() {
         }
         set(&mut cloth, slot, x + Vec3::Y * 0.3);
     }
+    let fastest = |cloth: &mut Cloth| {
+        let mut fastest = 0.0_f32;
+        for _ in 0..240 {
+            cloth.step(TICK, Vec3::ZERO);
+            let speeds = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length());
+            fastest = speeds.fold(fastest, f32::max);
+        }
+        fastest
+    };
+    // The start is strained, and that alone lets it spring open.
+    let without = fastest(&mut cloth.clone());
     keep_off_itself(&mut cloth, &fabric);
     assert!(crossings(&cloth) > 5);
-    let mut fastest = 0.0_f32;
-    for _ in 0..240 {
-        cloth.step(TICK, Vec3::ZERO);
-        let speeds = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length());
-        fastest = speeds.fold(fastest, f32::max);
-    }
+    let with = fastest(&mut cloth);
     let own = cloth.self_contacts.as_ref().unwrap();
     assert_eq!((crossings(&cloth), own.tangled()), (0, 0));
-    assert!(fastest < 5.0, "{fastest} m/s");
+    assert!(with < 1.1 * without, "{with} m/s, {without} m/s without");
 }
 
 #[test]

@@ -121,6 +121,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
         #[test]
         fn no_two_points_of_a_pair_are_nearer_than_those_found(points in [point(), point(), point(), point()]) {
             for kind in [Kind::VertexTriangle, Kind::EdgeEdge] {

@@ -267,22 +267,39 @@ fn two_runs_are_the_same_to_the_last_bit_at_any_frame_rate() {
 
 #[test]
 fn a_folded_cloth_falls_asleep_and_wakes_when_the_component_comes_changes_or_goes() {
-    let (mut app, cloth) = falling(SelfContact::default());
+    let (mut app, cloth) = floating((SelfContact::default(), Air::default()), false);
+    app.world_mut().spawn((ClothCollider::Ground, Transform::from_xyz(0.0, -0.03, 0.0)));
+    app.world_mut().entity_mut(cloth).remove::<Gravity>();
     note_events::<ClothWoke>(&mut app);
-    let woke = ClothWoke { entity: cloth, cause: WakeCause::Change };
-    let change = |app: &mut App, change: &dyn Fn(EntityWorldMut)| {
-        run_to_sleep(app, cloth);
-        let before = seen::<ClothWoke>(app).len();
-        change(app.world_mut().entity_mut(cloth));
-        app.update();
-        assert_eq!(seen::<ClothWoke>(app)[before..], [woke]);
-    };
     run_to_sleep(&mut app, cloth);
     assert_eq!(crossings(&app, cloth), 0);
+    let touching = get::<ClothStats>(&app, cloth).self_contacts;
+    assert!(touching > 10, "the layers touch in {touching} places");
     let asleep = bits(&app, cloth);
     run(&mut app, 10);
     assert_eq!(bits(&app, cloth), asleep);
-    change(&mut app, &|mut cloth| _ = cloth.insert(SelfContact { rate: 20.0, ..default() }));
-    change(&mut app, &|mut cloth| _ = cloth.remove::<SelfContact>());
-    change(&mut app, &|mut cloth| _ = cloth.insert(SelfContact::default()));
+    let other = SelfContact { rate: 20.0, ..default() };
+    for change in 0..3 {
+        run_to_sleep(&mut app, cloth);
+        let before = seen::<ClothWoke>(&app).len();
+        match change {
+            0 => _ = app.world_mut().entity_mut(cloth).insert(other),
+            1 => _ = app.world_mut().entity_mut(cloth).remove::<SelfContact>(),
+            _ => _ = app.world_mut().entity_mut(cloth).insert(other),
+        }
+        app.update();
+        assert_eq!(seen::<ClothWoke>(&app)[before..], [ClothWoke { entity: cloth, cause: WakeCause::Change }]);
+        assert_eq!(own(&app, cloth).is_some(), change != 1);
+    }
+}
+
+#[test]
+fn one_that_is_written_to_without_a_change_sleeps_on() {
+    let (mut app, cloth) = floating((SelfContact::default(), Air::default()), false);
+    app.world_mut().spawn((ClothCollider::Ground, Transform::from_xyz(0.0, -0.03, 0.0)));
+    app.world_mut().entity_mut(cloth).remove::<Gravity>();
+    run_to_sleep(&mut app, cloth);
+    app.world_mut().get_mut::<SelfContact>(cloth).expect("it has it").set_changed();
+    run(&mut app, 3);
+    assert!(is_asleep(&app, cloth));
 }

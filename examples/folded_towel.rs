@@ -22,8 +22,10 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         Mesh3d(meshes.add(Plane3d::default().mesh().size(4.0, 4.0))),
         MeshMaterial3d(materials.add(Color::srgb(0.6, 0.6, 0.6))),
     ));
-    commands
-        .spawn((Camera3d::default(), Transform::from_xyz(0.7, 0.5, 0.9).looking_at(Vec3::new(0.0, 0.1, 0.0), Vec3::Y)));
+    commands.spawn((
+        Camera3d::default(),
+        Transform::from_xyz(0.5, 0.45, 0.85).looking_at(Vec3::new(0.0, 0.05, 0.1), Vec3::Y),
+    ));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(1.0, 2.0, 1.5).looking_at(Vec3::ZERO, Vec3::Y),

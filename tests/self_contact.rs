@@ -165,6 +165,18 @@ fn another_shape_and_no_shape_any_more_are_followed() {
 }
 
 #[test]
+fn while_its_entity_moves_and_turns_or_jumps_it_keeps_off_itself() {
+    let (mut app, cloth) = falling(SelfContact::default());
+    for tick in 0..160 {
+        let mut place = app.world_mut().get_mut::<Transform>(cloth).expect("it has a place");
+        place.translation.x += if tick == 100 { 5.0 } else { 0.01 };
+        place.rotate_y(0.02);
+        app.update();
+        assert_eq!(crossings(&app, cloth), 0, "tick {tick}");
+    }
+}
+
+#[test]
 fn wrong_values_are_told_with_field_and_range_and_the_cloth_goes_on_where_it_was_once_they_are_mended() {
     let settings = SelfContact::default();
     for (wrong, field) in [

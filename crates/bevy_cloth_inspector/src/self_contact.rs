@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn the_section_shows_a_cloth_with_and_without_it_and_looking_changes_nothing() {
-        let wrong = SelfContact { distance: Some(f32::NAN), budget: 0, ..default() };
+        let wrong = SelfContact { distance: Some(5.0), budget: 0, ..default() };
         for settings in [None, Some(SelfContact::default()), Some(wrong)] {
             let mut world = World::new();
             let cloth = world.spawn((Cloth::default(), ClothStats::default())).id();

@@ -19,6 +19,7 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::cloth::Cloth",
         "cloth_solver::fabric::Fabric",
         "bevy_cloth::pins::Pins",
+        "cloth_solver::contact::cloth::SelfContact",
         "bevy_cloth::weights::Weights",
         "cloth_solver::forces::air::Air",
         "bevy_cloth::air::Wind",

@@ -44,11 +44,13 @@ mod a_change {
     }
 
     #[test]
-    fn of_air_or_damage_wakes() {
+    fn of_air_self_contact_or_damage_wakes() {
         inserted(Air { density: 2.0, ..default() });
         inserted(Wind(Vec3::X));
         inserted(Tearable::default());
         inserted(Flammable::default());
+        inserted(SelfContact::default());
+        removed(SelfContact::default());
         removed(Air::default());
         removed(Tearable::default());
     }

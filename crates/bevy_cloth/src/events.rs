@@ -251,3 +251,24 @@ pub struct ContactEnded {
     /// From the first touch to the last, s.
     pub duration: f32,
 }
+
+/// A cloth that has [`SelfContact`](crate::SelfContact) passes through itself: it was given the component, or put into its place, while
+/// it did. It is being untangled, and does not fall asleep in the meantime.
+///
+/// An event at the entity and a message. Each is followed by a [`ClothUntangled`], unless the cloth is no more.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothTangled {
+    /// The cloth.
+    pub entity: Entity,
+    /// Edges that pass through a triangle.
+    pub crossings: u32,
+}
+
+/// A cloth that was tangled passes through itself nowhere any more, or has no [`SelfContact`](crate::SelfContact) any more.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothUntangled {
+    /// The cloth.
+    pub entity: Entity,
+}

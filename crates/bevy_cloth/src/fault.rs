@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
+use cloth_solver::contact::SelfContacts;
 use cloth_solver::{Cloth, Fabric, Particles, Topology};
 
 use crate::cloth::{ClothHistory, ClothTopology};
@@ -66,6 +67,7 @@ pub(crate) fn mend(
             &mut Particles,
             &mut Constraints,
             &mut ClothHistory,
+            Option<&mut SelfContacts>,
             &StepPlan,
         ),
         Without<ClothAsleep>,
@@ -73,13 +75,16 @@ pub(crate) fn mend(
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
-    for (entity, topology, fabric, loads, mut particles, mut constraints, mut history, plan) in &mut cloths {
+    for (entity, topology, fabric, loads, mut particles, mut constraints, mut history, own, plan) in &mut cloths {
         if plan.substeps == 0 {
             continue;
         }
         if !is_finite(&particles) {
             let fabric = fabric.copied().unwrap_or_default();
             recover(&topology.0, &fabric, loads, &mut particles, &mut constraints, &history);
+            if let Some(mut own) = own {
+                own.follow(&topology.0);
+            }
             report(&mut commands, ClothRecovered { entity });
         }
         if tick.still {

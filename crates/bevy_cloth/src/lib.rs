@@ -7,6 +7,7 @@
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
 //! - [Contact](#contact): [`ContactEvents`], [`ClothForce`]
+//! - [Self-contact](#self-contact): [`SelfContact`], [`ClothTangled`], [`ClothUntangled`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
@@ -59,6 +60,11 @@
 //! A [`ClothCollider`] with [`ContactEvents`] is told by [`ContactBegan`] and [`ContactEnded`] which cloth touches it, one with
 //! [`ClothForce`] with what force all cloth together pushes it.
 //!
+//! # Self-contact
+//! A cloth with the component [`SelfContact`] does not pass through itself: its layers lie on each other, the thickness of the
+//! fabric apart, and rub. Without it they pass freely, and nothing is computed. A cloth that is tangled when it is given the
+//! component, or is put so, is untangled gently; [`ClothTangled`] and [`ClothUntangled`] tell. [`ClothStats`] counts what touches.
+//!
 //! # Air
 //! A cloth with the component [`Air`] feels the air around it; without it none acts, and none is computed. [`Wind`] and its
 //! [`Gusts`] are settings as above. A [`WindZone`] is an entity in which it blows otherwise, a [`Fan`] one that blows a jet,
@@ -80,7 +86,8 @@
 //! ([`ClothSystems::Build`]), advances the clock and runs [`ClothSchedule`] zero or more times
 //! ([`ClothSystems::Advance`]). All sets are public: put a system between any two. Beside `Cloth` the entity then
 //! carries the solver's state: [`Particles`], [`Constraints`](cloth_solver::cloth::Constraints),
-//! [`Contacts`](cloth_solver::contact::Contacts), [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
+//! [`Contacts`](cloth_solver::contact::Contacts), with [`SelfContact`] [`SelfContacts`](cloth_solver::contact::SelfContacts),
+//! [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
 //!
 //! # What is told
 //! Wrong data never panics and never stops the rest of the world: [`ClothRejected`], [`ColliderRejected`] and
@@ -126,11 +133,13 @@ pub mod weights;
 mod fault;
 mod prepare;
 mod report;
+mod self_contact;
 mod step;
 
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth_solver::contact::SelfContact;
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
@@ -143,8 +152,8 @@ pub use damage::{
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
-    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, ContactBegan, ContactEnded, DebrisGone,
-    PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
+    ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
+    ContactEnded, DebrisGone, PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};

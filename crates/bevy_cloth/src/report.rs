@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use crate::events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
-    ClothRejected, ClothReset, ClothTorn, ClothWoke, ColliderRejected, ContactBegan, ContactEnded, DebrisGone,
-    PiecesSeparated, WindRejected,
+    ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
+    ContactEnded, DebrisGone, PiecesSeparated, WindRejected,
 };
 
 /// What can be told.
@@ -113,6 +113,18 @@ impl Report for ContactBegan {
 impl Report for ContactEnded {
     fn log(&self, name: &str) {
         trace!("collider {name} was left by cloth {} after {} s", self.cloth, self.duration);
+    }
+}
+
+impl Report for ClothTangled {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} passes through itself with {} edges", self.crossings);
+    }
+}
+
+impl Report for ClothUntangled {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} is untangled");
     }
 }
 

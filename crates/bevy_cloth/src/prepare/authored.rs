@@ -17,7 +17,7 @@ use crate::settings::{Grabs, Gravity, Substeps};
 use crate::sleep::{ClothAsleep, ClothSleep, WakeCause};
 use crate::teleport::Teleport;
 use crate::weights::Weights;
-use crate::{Air, Method};
+use crate::{Air, Method, SelfContact};
 
 /// A scale that changes by less than this part of itself is the same scale: taken out of the matrices of a turning
 /// hierarchy it is never twice the same to the last bit.
@@ -43,6 +43,7 @@ pub(crate) struct Authored {
     teleport: Option<Teleport>,
     method: Option<Method>,
     sleep: Option<ClothSleep>,
+    self_contact: Option<SelfContact>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
     /// What the shape still waits for.
@@ -94,6 +95,7 @@ pub(crate) struct Changes {
     pub pins: bool,
     pub weights: bool,
     pub settings: bool,
+    pub self_contact: bool,
     /// The shared settings were touched, and it has not all of its own.
     pub shared: bool,
     pub grabs: bool,
@@ -118,6 +120,7 @@ pub(crate) struct Wanted {
     teleport: Option<Ref<'static, Teleport>>,
     method: Option<Ref<'static, Method>>,
     sleep: Option<Ref<'static, ClothSleep>>,
+    self_contact: Option<Ref<'static, SelfContact>>,
     grabs: Option<Ref<'static, Grabs>>,
     mesh: Option<&'static Mesh3d>,
     drawn: Option<&'static DrawnMesh>,
@@ -165,6 +168,10 @@ impl WantedItem<'_, '_> {
 
     pub fn weights(&self) -> Option<&Weights> {
         self.weights.as_deref()
+    }
+
+    pub fn self_contact(&self) -> Option<&SelfContact> {
+        self.self_contact.as_deref()
     }
 
     /// The mesh the user gave the entity, seen past the one the cloth draws.
@@ -236,6 +243,7 @@ impl WantedItem<'_, '_> {
                 || differs(&self.teleport, &seen.teleport)
                 || differs(&self.method, &seen.method)
                 || differs(&self.sleep, &seen.sleep),
+            self_contact: differs(&self.self_contact, &seen.self_contact),
             shared: (self.gravity.is_none() && shared.gravity.is_changed())
                 || (self.substeps.is_none() && shared.substeps.is_changed())
                 || (self.wind.is_none() && shared.wind.is_changed())
@@ -276,6 +284,7 @@ impl WantedItem<'_, '_> {
         seen.teleport = self.teleport.as_deref().copied();
         seen.method = self.method.as_deref().copied();
         seen.sleep = self.sleep.as_deref().copied();
+        seen.self_contact = self.self_contact.as_deref().copied();
         changes
     }
 
@@ -290,7 +299,8 @@ impl WantedItem<'_, '_> {
         let gusts = self.gusts.as_deref().unwrap_or(&shared.gusts).validate();
         let teleport = self.teleport.as_deref().unwrap_or(&shared.teleport).validate();
         let sleep = self.sleep.as_deref().unwrap_or(&shared.sleep).validate();
-        let own = tearable.and(flammable).and(air);
+        let self_contact = self.self_contact.as_deref().map_or(Ok(()), SelfContact::validate);
+        let own = tearable.and(flammable).and(air).and(self_contact);
         self.authored.faults.settings =
             gravity.and(substeps).and(own).and(wind).and(gusts).and(teleport).and(sleep).err();
     }

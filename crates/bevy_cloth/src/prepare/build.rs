@@ -8,10 +8,10 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Pins as SolverPins;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::forces::Gusts;
 use cloth_solver::rest::Rest;
-use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose};
+use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose, Topology};
 
 use super::anchors::{self, Anchors};
 use super::authored::{WaitsFor, Wanted, WantedItem, user_mesh};
@@ -29,7 +29,7 @@ use crate::settings::{Grabs, Gravity, Substeps};
 use crate::sleep::{ClothAsleep, ClothSleep, wake_up};
 use crate::teleport::Teleport;
 use crate::weights::{Loads, Weights};
-use crate::{Air, Method};
+use crate::{Air, Method, SelfContact};
 
 /// The runtime state of one cloth, as far as a change of fabric or pins touches it.
 #[derive(QueryData)]
@@ -62,6 +62,7 @@ type Touched = (
         Without<ClothAsleep>,
         Or<(Changed<Cloth>, Changed<Fabric>, Changed<Pins>, Changed<Weights>, Changed<Transform>, Changed<Mesh3d>)>,
         Or<(Changed<Gravity>, Changed<Substeps>, Changed<Method>, Changed<Teleport>, Changed<ClothSleep>)>,
+        Changed<SelfContact>,
         Or<(Changed<Grabs>, Changed<Tearable>, Changed<Flammable>, Changed<Air>, Changed<Wind>, Changed<Gusts>)>,
     )>,
 );
@@ -95,7 +96,7 @@ pub(crate) fn build(
         if changes == default() {
             return;
         }
-        if changes.settings || changes.shared {
+        if changes.settings || changes.self_contact || changes.shared {
             wanted.check_settings(shared);
         }
         if changes.shape || (wanted.authored.stale && changes.fabric) {
@@ -106,6 +107,9 @@ pub(crate) fn build(
             }
             if changes.fabric || changes.weights {
                 wanted.authored.faults.fabric = running.change_fabric(&wanted.fabric()).err();
+            }
+            if changes.fabric || changes.self_contact {
+                wanted.renew_self_contacts(&running.topology.0, &mut commands);
             }
             if changes.pins {
                 wanted.authored.faults.pins = running.change_pins(&wanted, &around.placements).err();
@@ -163,6 +167,7 @@ impl WantedItem<'_, '_> {
             Ok(_) if self.authored.faults.fabric.is_some() => {}
             Ok((topology, skin)) => {
                 let (topology, skin) = (ClothTopology(Arc::new(topology)), ClothSkin(Arc::new(skin)));
+                let whole = topology.0.clone();
                 match self.assemble(topology, skin, placement, &around.placements) {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
@@ -171,8 +176,9 @@ impl WantedItem<'_, '_> {
                         entity.try_insert(state);
                         if renew {
                             // What was held, torn or burnt is no more.
-                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire)>();
+                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire, SelfContacts)>();
                         }
+                        self.renew_self_contacts(&whole, commands);
                     }
                 }
             }
@@ -216,6 +222,22 @@ impl WantedItem<'_, '_> {
         }
         let plan = (StepPlan::default(), Rest::default());
         Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, plan))
+    }
+
+    /// Contact with itself, over `topology`, as it is wanted now: none, or anew. What is refused changes nothing.
+    fn renew_self_contacts(&self, topology: &Topology, commands: &mut Commands) {
+        let mut entity = commands.entity(self.entity);
+        match self.self_contact() {
+            None => {
+                entity.try_remove::<SelfContacts>();
+            }
+            Some(settings) if self.authored.faults.fabric.is_none() => {
+                if let Ok(own) = SelfContacts::new(topology, &self.fabric(), settings) {
+                    entity.try_insert(own);
+                }
+            }
+            Some(_) => {}
+        }
     }
 
     /// Tells what is wrong if it was not told before, and takes the refusal back if nothing is.

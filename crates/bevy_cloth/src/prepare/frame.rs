@@ -4,7 +4,7 @@ use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Grab as SolverGrab;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::tick::{Effort, Pace};
 use cloth_solver::{Fabric, Method, Particles, Pose, Soa3, Substep, Tick};
 
@@ -293,6 +293,7 @@ pub(crate) struct Resettable {
     frame: &'static ClothFrame,
     anchors: &'static Anchors,
     authored: &'static mut Authored,
+    own: Option<&'static mut SelfContacts>,
     is_damaged: Has<ClothPieces>,
     fire: Option<&'static ClothFire>,
 }
@@ -303,6 +304,9 @@ pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut
         let place = cloth.anchors.home(cloth.frame, &cloth.constraints.pins().pins);
         reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints, &place);
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
+        if let Some(own) = &mut cloth.own {
+            own.follow(cloth.topology);
+        }
         if cloth.is_damaged || cloth.fire.is_some_and(|fire| fire.scarred || fire.is_warm()) {
             cloth.authored.forget_shape();
         }

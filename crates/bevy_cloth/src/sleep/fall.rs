@@ -3,7 +3,7 @@
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::rest::{Rest, RestLimits, is_below};
 use cloth_solver::{Particles, measure};
 
@@ -32,6 +32,7 @@ pub(crate) struct Awake {
     plan: &'static mut StepPlan,
     authored: &'static Authored,
     sleep: Option<&'static ClothSleep>,
+    own: Option<&'static SelfContacts>,
     fire: Option<&'static ClothFire>,
     pieces: Option<&'static ClothPieces>,
     tearable: Option<&'static Tearable>,
@@ -65,8 +66,8 @@ pub(crate) fn fall_asleep(
 }
 
 impl AwakeItem<'_, '_> {
-    /// Whether something moves it, or is about to: hands, forces, fire, what it hangs on, air faster than `wind` (m/s), a mesh that
-    /// it waits for, or the end of debris.
+    /// Whether something moves it, or is about to: hands, forces, fire, what it hangs on, air faster than `wind` (m/s), a tangle that
+    /// is undone, a mesh that it waits for, or the end of debris.
     fn is_driven(&self, wind: f32) -> bool {
         let frame = &self.frame;
         !self.constraints.grabs.is_empty()
@@ -77,6 +78,7 @@ impl AwakeItem<'_, '_> {
             || self.constraints.pins().frames.iter().any(|motion| motion.from != motion.to)
             || self.particles.force.as_ref().is_some_and(|force| !is_below(force, f32::MIN_POSITIVE))
             || self.fire.is_some_and(|fire| fire.is_warm())
+            || self.own.is_some_and(|own| own.tangled() > 0)
             || self.has_debris()
             || self.particles.airflow.as_ref().is_some_and(|air| !is_below(&air.velocity, wind))
     }

@@ -18,7 +18,7 @@ use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
-use crate::{Air, Fabric, Gusts, Method};
+use crate::{Air, Fabric, Gusts, Method, SelfContact};
 
 /// A cloth that is asleep.
 #[derive(QueryData)]
@@ -129,7 +129,7 @@ pub(crate) fn on_asked(asked: On<WakeCloth>, mut commands: Commands) {
 /// What a sleeping cloth wakes without. Changes are noticed where they are taken over.
 type Removed = (
     (Fabric, Pins, Weights, Gravity, Substeps, Method, Teleport, ClothSleep, Grabs),
-    (Tearable, Flammable, Air, Wind, Gusts),
+    (Tearable, Flammable, Air, Wind, Gusts, SelfContact),
     (Particles, Constraints, Contacts, ClothTopology, ClothFrame, ClothHistory),
 );
 

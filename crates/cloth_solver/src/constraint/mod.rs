@@ -283,8 +283,8 @@ impl Constraints {
         }
         if was_noted {
             let pinned = self.pins.pins.iter().map(|pin| pin.particle);
-            let held: Vec<u32> = pinned.chain(self.grabs.iter().flat_map(|grab| grab.particles)).collect();
-            rigid::keep(particles, self.pieces.as_ref(), &held, &mut self.bodies);
+            let held = pinned.chain(self.grabs.iter().flat_map(|grab| grab.particles));
+            rigid::keep(particles, self.pieces.as_ref(), held, &mut self.bodies);
         }
         // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
         for grab in &self.grabs {

@@ -1,7 +1,7 @@
 //! The constraints of one cloth, and the order in which a substep solves them.
 //!
-//! [`kernel`] has the laws, one to a file; [`surface`] what owns them: a grid, any other mesh, what was taken apart; [`hold`] what holds
-//! cloth; [`tension`] is read off, [`wear`] is what damage does.
+//! `kernel` has the laws, one to a file; `surface` what owns them: a grid, any other mesh, what was taken apart; `hold` what holds
+//! cloth; `tension` is read off, `wear` is what damage does.
 
 mod hold;
 mod kernel;

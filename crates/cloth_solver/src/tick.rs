@@ -94,7 +94,7 @@ pub struct Effort {
     pub mean_load: f32,
     /// The largest change of a link (stretch and turn) in rest lengths.
     pub motion: f32,
-    /// Whether a link turned by 60° and more: pulls along such links are the only ones that have a moment.
+    /// Whether a link turned by 37° and more: pulls along such links are the only ones that have a moment.
     pub turned: bool,
 }
 

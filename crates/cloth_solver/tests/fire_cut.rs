@@ -4,15 +4,10 @@ mod common;
 
 use cloth_solver::constraint::Wear;
 use cloth_solver::damage::fire::Surroundings;
-use cloth_solver::{Cloth, Fabric, Fire, Flammable};
+use cloth_solver::{Fabric, Fire, Flammable};
 use common::damage::{blade, both};
 use common::*;
 use glam::Vec3;
-
-fn fastest(cloth: &Cloth) -> f32 {
-    let speeds = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length());
-    speeds.fold(0.0, |most, speed| if speed > most || speed.is_nan() { speed } else { most })
-}
 
 #[test]
 fn what_heat_has_shrunk_stays_as_small_when_it_is_cut() {

@@ -2,14 +2,11 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
 use cloth_solver::damage::Blade;
 use cloth_solver::forces::Air;
-use cloth_solver::topology::MeshSource;
-use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology, measure};
+use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, measure};
 use common::*;
 use glam::{DVec3, Quat, Vec2, Vec3};
 use proptest::prelude::*;
@@ -33,9 +30,7 @@ impl Drawn {
     fn cloth(&self, fabric: &Fabric) -> Cloth {
         let [columns, rows] = self.cells;
         if self.is_mesh {
-            let (positions, triangles) = irregular(self.size, self.cells);
-            let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
-            Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), fabric).unwrap()
+            irregular_mesh(self.size, self.cells, fabric)
         } else {
             rectangle(self.size.x, self.size.y, columns, rows, fabric)
         }
@@ -69,7 +64,7 @@ fn set(cloth: &mut Cloth, slot: usize, x: Vec3) {
 }
 
 /// Pins what of the rest shape is held so.
-fn hold(cloth: &mut Cloth, how: usize) {
+fn hold_by(cloth: &mut Cloth, how: usize) {
     let rest: Vec<(u32, Vec3)> = cloth.topology.particles().map(|p| (p, cloth.topology.rest[p as usize])).collect();
     let (low, high) = rest.iter().fold((Vec3::MAX, Vec3::MIN), |(low, high), (_, x)| (low.min(*x), high.max(*x)));
     let is_held = |x: Vec3| {
@@ -85,11 +80,6 @@ fn hold(cloth: &mut Cloth, how: usize) {
     let pins = held.map(|(p, _)| Pin { particle: *p, frame: 0, local: cloth.particles.position.get(*p as usize) });
     let pins = Pins { frames: vec![Motion::default()], pins: pins.collect() };
     cloth.constraints.set_pins(&mut cloth.particles, pins).unwrap();
-}
-
-fn fastest(cloth: &Cloth) -> f32 {
-    let speeds = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length());
-    speeds.fold(0.0, |most, speed| if speed > most || speed.is_nan() { speed } else { most })
 }
 
 proptest! {
@@ -138,7 +128,7 @@ proptest! {
     fn cloth_at_rest_in_air_stays_or_comes_to_rest_however_it_is_held(drawn in drawn(16), how in 0_usize..4) {
         let mut cloth = drawn.cloth(&drawn.fabric());
         cloth.air = Some(Air::default());
-        hold(&mut cloth, how);
+        hold_by(&mut cloth, how);
         let mut late = 0.0_f32;
         for second in 0..20 {
             run(&mut cloth, 1.0);
@@ -159,7 +149,7 @@ proptest! {
         let mut cloth = drawn.cloth(&fabric);
         let tilt = Quat::from_rotation_x(angle.to_radians());
         let hinge = Vec3::Y * (0.5 * drawn.size.y);
-        hold(&mut cloth, 0);
+        hold_by(&mut cloth, 0);
         let hanging = measure::gravitational_energy(&cloth.particles, GRAVITY);
         for slot in 0..cloth.topology.slots() {
             let x = cloth.topology.rest[slot];
@@ -222,12 +212,12 @@ fn ribbons_of_one_to_seven_columns_hang_still() {
 fn a_flag_comes_to_rest_at_its_pole_and_gains_nothing_without_air() {
     let mut flag = rectangle(0.9, 0.6, 36, 24, &Fabric::COTTON_POPLIN);
     flag.air = Some(Air::default());
-    hold(&mut flag, 1);
+    hold_by(&mut flag, 1);
     run(&mut flag, 20.0);
     assert!(measure::rms_speed(&flag.topology, &flag.particles) < 0.03);
 
     let mut flag = rectangle(0.9, 0.6, 36, 24, &UNDAMPED);
-    hold(&mut flag, 1);
+    hold_by(&mut flag, 1);
     run(&mut flag, 5.0);
     let before = measure::total_energy(&flag.topology, &flag.particles, &UNDAMPED, GRAVITY);
     run(&mut flag, 10.0);

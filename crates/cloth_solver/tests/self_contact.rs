@@ -3,11 +3,9 @@
 mod common;
 
 use std::f32::consts::{FRAC_PI_2, PI};
-use std::sync::Arc;
 
 use cloth_solver::contact::{Contacts, SelfContact, SelfContacts, Shape, collide_self};
-use cloth_solver::topology::MeshSource;
-use cloth_solver::{Cloth, Fabric, Tick, Topology, measure};
+use cloth_solver::{Cloth, Fabric, Tick, measure};
 use common::*;
 use glam::{DVec3, Quat, Vec2, Vec3, Vec3Swizzles};
 use proptest::prelude::*;
@@ -28,12 +26,6 @@ fn lay_ground(cloth: &mut Cloth, friction: f32) {
 
 fn crossings(cloth: &Cloth) -> usize {
     measure::crossings(&cloth.topology, &cloth.particles).len()
-}
-
-fn mesh(size: Vec2, cells: [u32; 2], fabric: &Fabric) -> Cloth {
-    let (positions, triangles) = irregular(size, cells);
-    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
-    Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), fabric).unwrap()
 }
 
 /// Bends flat cloth over a half circle of `radius` in x, from x = `at` on, and up.
@@ -93,7 +85,7 @@ proptest! {
     ) {
         let fabric = Fabric::PRESETS[preset].1;
         let size = Vec2::new(0.8, 0.7);
-        let mut cloth = if is_mesh { mesh(size, [columns, rows], &fabric) } else { rectangle(size.x, size.y, columns, rows, &fabric) };
+        let mut cloth = if is_mesh { irregular_mesh(size, [columns, rows], &fabric) } else { rectangle(size.x, size.y, columns, rows, &fabric) };
         place(&mut cloth, Quat::from_rotation_x(tilt) * Quat::from_rotation_z(roll), Vec3::Y * 0.7);
         lay_ground(&mut cloth, fabric.friction);
         keep_off_itself(&mut cloth, &fabric);
@@ -114,7 +106,7 @@ proptest! {
     ) {
         let fabric = Fabric { damping: 0.0, ..Fabric::PRESETS[preset].1 };
         let (size, cells) = (Vec2::new(0.6, 0.3), [2 * cells, cells]);
-        let mut cloth = if is_mesh { mesh(size, cells, &fabric) } else { rectangle(size.x, size.y, cells[0], cells[1], &fabric) };
+        let mut cloth = if is_mesh { irregular_mesh(size, cells, &fabric) } else { rectangle(size.x, size.y, cells[0], cells[1], &fabric) };
         for slot in 0..cloth.topology.slots() {
             let flat = cloth.topology.rest[slot];
             let x = fold(Vec3::new(flat.x, 0.0, flat.y), 0.01, 0.06);

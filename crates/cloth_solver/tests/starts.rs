@@ -2,12 +2,8 @@
 
 mod common;
 
-use std::sync::Arc;
-
-use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::forces::{Air, WindField};
-use cloth_solver::topology::MeshSource;
-use cloth_solver::{Cloth, Fabric, Motion, Tick, Topology, measure};
+use cloth_solver::{Cloth, Fabric, Tick, measure};
 use common::*;
 use glam::{Quat, Vec2, Vec3};
 
@@ -16,18 +12,7 @@ fn sheet(is_mesh: bool, size: Vec2, cells: [u32; 2], fabric: &Fabric) -> Cloth {
     if !is_mesh {
         return rectangle(size.x, size.y, cells[0], cells[1], fabric);
     }
-    let (positions, triangles) = irregular(size, cells);
-    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
-    Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), fabric).unwrap()
-}
-
-/// Pins where they are at rest the particles whose rest position is `held`.
-fn hold(cloth: &mut Cloth, held: impl Fn(Vec3) -> bool) {
-    let rest = |p: u32| cloth.topology.rest[p as usize];
-    let pins = cloth.topology.particles().filter(|p| held(rest(*p)));
-    let pins = pins.map(|particle| Pin { particle, frame: 0, local: rest(particle) }).collect();
-    let pins = Pins { frames: vec![Motion::default()], pins };
-    cloth.constraints.set_pins(&mut cloth.particles, pins).unwrap();
+    irregular_mesh(size, cells, fabric)
 }
 
 fn put(cloth: &mut Cloth, to: impl Fn(Vec3, usize) -> Vec3) {

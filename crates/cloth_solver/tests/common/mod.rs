@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
-use cloth_solver::topology::Resolution;
+use cloth_solver::topology::{MeshSource, Resolution};
 use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology};
 use glam::{Quat, UVec2, Vec2, Vec3};
 
@@ -43,6 +43,28 @@ pub fn irregular(size: Vec2, [columns, rows]: [u32; 2]) -> (Vec<Vec3>, Vec<[u32;
         if noise(7 * a + 3) > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     });
     (positions, triangles.collect())
+}
+
+/// A sheet of `fabric` over [`irregular`].
+pub fn irregular_mesh(size: Vec2, cells: [u32; 2], fabric: &Fabric) -> Cloth {
+    let (positions, triangles) = irregular(size, cells);
+    let source = MeshSource { positions: &positions, uvs: &[], indices: triangles.as_flattened() };
+    Cloth::new(Arc::new(Topology::from_mesh(source).unwrap()), fabric).unwrap()
+}
+
+/// Pins the particles whose rest position is `held` to where that is.
+pub fn hold(cloth: &mut Cloth, held: impl Fn(Vec3) -> bool) {
+    let rest = |p: u32| cloth.topology.rest[p as usize];
+    let pins = cloth.topology.particles().filter(|p| held(rest(*p)));
+    let pins = pins.map(|particle| Pin { particle, frame: 0, local: rest(particle) }).collect();
+    let pins = Pins { frames: vec![Motion::default()], pins };
+    cloth.constraints.set_pins(&mut cloth.particles, pins).unwrap();
+}
+
+/// The speed of the fastest particle, m/s; not a number if any is.
+pub fn fastest(cloth: &Cloth) -> f32 {
+    let speeds = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).length());
+    speeds.fold(0.0, |most, speed| if speed > most || speed.is_nan() { speed } else { most })
 }
 
 /// Pins the particles of the top row in the given columns where they are.

@@ -39,14 +39,37 @@ type Lanes = [f32; LANES];
 pub(super) struct Link {
     pub corners: [[u32; LANES]; 3],
     /// Of f, by corner, 1/m.
-    pub coefficient: [Lanes; 3],
+    coefficient: [Lanes; 3],
     /// `[j]`: by corner, its coefficient times that which the same particle has in the link `j + 1` before; 0 if it has none.
-    pub coupling: [[Lanes; 3]; REACH],
+    coupling: [[Lanes; 3]; REACH],
     /// 1/(Y A) of the part of the triangle's area A that is this strip's, 1/J.
     compliance: Lanes,
     /// As worn: factors on compliance and rest length.
     worn: [Lanes; 2],
     triangle: [u32; LANES],
+}
+
+impl Link {
+    /// See [`Self::coefficient`].
+    #[inline(always)]
+    pub fn coefficients<S: Simd>(&self, simd: S) -> [f32x8<S>; 3] {
+        let [a, b, c] = self.coefficient;
+        [f32x8::simd_from(simd, a), f32x8::simd_from(simd, b), f32x8::simd_from(simd, c)]
+    }
+
+    /// Σ w c² over the corners, w their inverse masses.
+    #[inline(always)]
+    pub fn mobility<S: Simd>(&self, simd: S, w: [f32x8<S>; 3]) -> f32x8<S> {
+        let c = self.coefficients(simd);
+        w[0] * c[0] * c[0] + w[1] * c[1] * c[1] + w[2] * c[2] * c[2]
+    }
+
+    /// Σ w c c′ over the corners that the link `j` before has as well, c′ its coefficients.
+    #[inline(always)]
+    pub fn shared_mobility<S: Simd>(&self, simd: S, j: usize, w: [f32x8<S>; 3]) -> f32x8<S> {
+        let [a, b, c] = self.coupling[j - 1];
+        w[0] * f32x8::simd_from(simd, a) + w[1] * f32x8::simd_from(simd, b) + w[2] * f32x8::simd_from(simd, c)
+    }
 }
 
 /// Eight strips.
@@ -230,11 +253,7 @@ impl Eight {
             // What is kept of link k stands behind that of `REACH` links that are none.
             let at = k + REACH;
             let [a, b, c] = &link.corners;
-            let coefficient = [
-                f32x8::simd_from(simd, link.coefficient[0]),
-                f32x8::simd_from(simd, link.coefficient[1]),
-                f32x8::simd_from(simd, link.coefficient[2]),
-            ];
+            let coefficient = link.coefficients(simd);
             // Relative to the first corner, so that nothing is lost in large coordinates.
             let ((x_a, _), (x_b, _), (x_c, _)) =
                 (gather4(simd, position, a), gather4(simd, position, b), gather4(simd, position, c));
@@ -253,9 +272,8 @@ impl Eight {
                 let (before, normal) = (before * (one / had.max(tiny)), f * (one / length.max(tiny)));
                 let is_calm = had.simd_gt(splat(simd, 1e-6)) & normal.dot(before).simd_gt(splat(simd, TURNED));
                 let pull = select(is_calm, before, normal);
-                let own = w_a * coefficient[0] * coefficient[0]
-                    + w_b * coefficient[1] * coefficient[1]
-                    + w_c * coefficient[2] * coefficient[2];
+                let w = [w_a, w_b, w_c];
+                let own = link.mobility(simd, w);
                 let has_turned = !is_calm & own.simd_gt(zero) & compliance.simd_lt(splat(simd, GONE));
                 met.turned = met.turned.max(has_turned.select(one, zero));
                 // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
@@ -263,11 +281,8 @@ impl Eight {
                 let least = pivot * splat(simd, SINGULAR);
                 let mut u = [zero; REACH];
                 for j in (1..=BAND).rev() {
-                    let [of_a, of_b, of_c] = &link.coupling[j - 1];
-                    let shared = w_a * f32x8::simd_from(simd, *of_a)
-                        + w_b * f32x8::simd_from(simd, *of_b)
-                        + w_c * f32x8::simd_from(simd, *of_c);
-                    u[j - 1] = shared * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
+                    u[j - 1] =
+                        link.shared_mobility(simd, j, w) * pull.dot(Vec3x8::load(simd, &work.pull, (at - j) * LANES));
                     for i in j + 1..=BAND {
                         let factor = load(simd, &work.factor, ((at - j) * REACH + i - j - 1) * LANES);
                         u[j - 1] -= u[i - 1] * factor;

@@ -57,23 +57,21 @@ impl Waves {
         // LDLᵀ of `1 + θ √E C W Cᵀ √E`.
         for (k, link) in links.iter().enumerate() {
             let [a, b, c] = &link.corners;
-            let coefficient = coefficients(simd, link);
             let ((_, w_a), (_, w_b), (_, w_c)) =
                 (gather4(simd, position, a), gather4(simd, position, b), gather4(simd, position, c));
-            let own = w_a * coefficient[0] * coefficient[0]
-                + w_b * coefficient[1] * coefficient[1]
-                + w_c * coefficient[2] * coefficient[2];
-            let (f, excess) = self.excess(simd, link, pull, lambda, position, k, unfiltered / own.max(tiny));
+            let w = [w_a, w_b, w_c];
+            let own = link.mobility(simd, w);
+            let size = length(simd, link, position);
+            let tension = -load(simd, lambda, k * LANES) / size.max(tiny);
+            let excess = (tension - unfiltered / own.max(tiny)).max(zero);
+            let f = Vec3x8::load(simd, pull, (k + REACH) * LANES) * size;
             let root = excess.sqrt();
             let mut pivot = one + theta * excess * own;
             let mut right = f * root;
             let reach = REACH.min(k);
             let mut u = [zero; REACH];
             for j in (1..=reach).rev() {
-                let [of_a, of_b, of_c] = &link.coupling[j - 1];
-                let shared = w_a * f32x8::simd_from(simd, *of_a)
-                    + w_b * f32x8::simd_from(simd, *of_b)
-                    + w_c * f32x8::simd_from(simd, *of_c);
+                let shared = link.shared_mobility(simd, j, w);
                 u[j - 1] = theta * root * load(simd, &self.root, (k - j) * LANES) * shared;
                 for i in j + 1..=reach {
                     u[j - 1] -= u[i - 1] * load(simd, &self.factor, ((k - j) * REACH + i - j - 1) * LANES);
@@ -102,43 +100,19 @@ impl Waves {
             let f = pull * length(simd, link, position);
             let less = f * (root * root) - found * root;
             store(load(simd, lambda, k * LANES) + less.dot(pull), lambda, k * LANES);
-            for (corner, coefficient) in link.corners.iter().zip(coefficients(simd, link)) {
+            for (corner, coefficient) in link.corners.iter().zip(link.coefficients(simd)) {
                 let (by, w) = gather4(simd, moved, corner);
                 scatter4(by + less * (w * coefficient), w, moved, corner);
             }
         }
     }
-
-    /// f along the pull, and the tension per length beyond what is left as it is.
-    #[inline(always)]
-    fn excess<S: Simd>(
-        &self,
-        simd: S,
-        link: &Link,
-        pull: &Soa3,
-        lambda: &[f32],
-        position: &[Packed],
-        k: usize,
-        unfiltered: f32x8<S>,
-    ) -> (Vec3x8<S>, f32x8<S>) {
-        let size = length(simd, link, position);
-        let tension = -load(simd, lambda, k * LANES) / size.max(splat(simd, f32::MIN_POSITIVE));
-        let f = Vec3x8::load(simd, pull, (k + REACH) * LANES) * size;
-        (f, (tension - unfiltered).max(splat(simd, 0.0)))
-    }
-}
-
-#[inline(always)]
-fn coefficients<S: Simd>(simd: S, link: &Link) -> [f32x8<S>; 3] {
-    let [a, b, c] = link.coefficient;
-    [f32x8::simd_from(simd, a), f32x8::simd_from(simd, b), f32x8::simd_from(simd, c)]
 }
 
 /// |f| when the substep began.
 #[inline(always)]
 fn length<S: Simd>(simd: S, link: &Link, position: &[Packed]) -> f32x8<S> {
     let [a, b, c] = &link.corners;
-    let [_, to_b, to_c] = coefficients(simd, link);
+    let [_, to_b, to_c] = link.coefficients(simd);
     let ((a, _), (b, _), (c, _)) = (gather4(simd, position, a), gather4(simd, position, b), gather4(simd, position, c));
     ((b - a) * to_b + (c - a) * to_c).length()
 }

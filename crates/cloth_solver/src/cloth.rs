@@ -131,7 +131,7 @@ impl Cloth {
             Some(change) => {
                 damage::follow(before, &self.topology, change, &mut self.particles, &mut self.constraints);
                 if let Some(own) = &mut self.self_contacts {
-                    own.follow(&self.topology);
+                    own.follow(&self.topology, change, &mut self.particles);
                 }
             }
             None => self.topology = before.clone(),

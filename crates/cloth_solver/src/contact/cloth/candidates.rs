@@ -17,6 +17,9 @@ const EDGES: f32 = 0.75;
 const LEAST: f32 = 0.1;
 const LEAST_OF_NEARER: f32 = 0.9;
 
+/// Features nearer to each other at rest than this part of the distance kept were one before a cut.
+const SIDES: f32 = 1e-3;
+
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
@@ -222,7 +225,8 @@ impl Pairs {
             return distance;
         }
         let rest = nearest(kind, &ids.map(|slot| Vec3A::from(topology.rest[slot as usize]))).between.length();
-        if 0.9 * rest >= distance {
+        // What stands at one place at rest are the two sides of a cut, also next to its end, where they hang together.
+        if 0.9 * rest >= distance || rest < SIDES * distance {
             return distance;
         }
         let (first, second) = ids.split_at(kind.split());

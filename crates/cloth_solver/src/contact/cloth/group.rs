@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use super::features::Features;
 use super::hierarchy::Hierarchy;
 use super::state::{Solids, State};
-use super::surfaces::Surfaces;
+use super::surfaces::{Settings, Surfaces};
 use super::{Found, SelfContacts};
 use crate::contact::{Collider, Contacts};
 use crate::tick::Substep;
@@ -37,6 +37,7 @@ pub struct GroupContacts {
 struct Member {
     slots: Range<u32>,
     triangles: Range<u32>,
+    settings: Settings,
     /// Its frame as seen from that of the group.
     frame: Pose,
     /// The solids that stop it, in the frame of the group.
@@ -49,7 +50,7 @@ impl GroupContacts {
         let cloths: Vec<(&Topology, &SelfContacts)> = cloths.into_iter().collect();
         let mut topology = Topology::default();
         let mut members = Vec::with_capacity(cloths.len());
-        for (cloth, _) in &cloths {
+        for (cloth, own) in &cloths {
             let (slot, triangle) = (topology.rest.len() as u32, topology.triangles.len() as u32);
             topology.rest.extend(&cloth.rest);
             topology.area.extend(&cloth.area);
@@ -57,6 +58,7 @@ impl GroupContacts {
             members.push(Member {
                 slots: slot..topology.rest.len() as u32,
                 triangles: triangle..topology.triangles.len() as u32,
+                settings: own.settings,
                 frame: Pose::IDENTITY,
                 contacts: Contacts::default(),
             });
@@ -80,11 +82,19 @@ impl GroupContacts {
         Self { members, topology, particles, state: State::of(surfaces, hierarchy, features) }
     }
 
+    /// Whether it is of cloths with this contact with themselves.
+    pub fn is_of<'a>(&self, cloths: impl Iterator<Item = &'a SelfContacts>) -> bool {
+        self.members.iter().map(|member| &member.settings).eq(cloths.map(|own| &own.settings))
+    }
+
+    /// Whether the frame of each cloth, as seen from that of the group, is near enough for positions to be exact: nearer than 64 m. If not
+    /// it has to be made anew, with another frame.
+    pub fn is_near(&self, mut frames: impl Iterator<Item = Pose>) -> bool {
+        frames.all(|frame| frame.position.length() < FARTHEST)
+    }
+
     /// Begins a tick in which the frame of each cloth stands so, as seen from that of the group; in their order.
-    ///
-    /// `false` if the group has to be made anew, with a frame nearer to them.
-    pub fn begin_tick<'a>(&mut self, cloths: impl IntoIterator<Item = (Pose, &'a Particles, &'a Contacts)>) -> bool {
-        let mut is_near = true;
+    pub fn begin_tick<'a>(&mut self, cloths: impl IntoIterator<Item = (Pose, &'a Particles, &'a Contacts)>) {
         for (member, (frame, particles, contacts)) in self.members.iter_mut().zip(cloths) {
             member.frame = frame;
             let slots = member.slots.start as usize..member.slots.end as usize;
@@ -94,9 +104,7 @@ impl GroupContacts {
                 motion: Motion { from: placed(&frame, &collider.motion.from), to: placed(&frame, &collider.motion.to) },
                 ..collider.clone()
             }));
-            is_near &= frame.position.length() < FARTHEST;
         }
-        is_near
     }
 
     /// The least number of substeps of a tick of `dt` s in which no two particles move farther against each other than half an edge in

@@ -8,9 +8,10 @@
 //! 3. **Check**: pairs that no plane parts over the whole substep are swept; those that meet get a contact where they do, and what meets
 //!    even then moves nearly as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
 //!
-//! So what begins free of intersections stays free of them, but for what a cut leaves in one place, which is on no side of itself. What begins tangled is untangled: see `tangle`.
+//! So what begins free of intersections stays free of them; the sides of a cut begin a little apart: see `cut`. What begins tangled is untangled: see `tangle`.
 
 mod candidates;
+mod cut;
 mod detect;
 mod features;
 mod group;
@@ -32,6 +33,7 @@ use glam::Vec3A;
 
 use super::Contacts;
 use crate::tick::Substep;
+use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
 use state::{Solids, State};
 use surfaces::Settings;
@@ -113,9 +115,11 @@ impl SelfContacts {
         self.found = Found::default();
     }
 
-    /// Updates it after a change of the topology, which is `now`.
-    pub fn follow(&mut self, now: &Topology) {
+    /// Updates it after `change` of the topology, which is `now`, of particles that have followed already. What was parted stands at one
+    /// place and is on no side of itself: its sides are drawn apart, each into its own cloth, by a fraction of the distance kept.
+    pub fn follow(&mut self, now: &Topology, change: &Change, particles: &mut Particles) {
         self.reset(now);
+        cut::draw_apart(now, change, particles, self.settings.distance);
     }
 
     /// Distance kept between two layers, m.

@@ -4,7 +4,7 @@ use super::SelfContact;
 use crate::{Fabric, Topology};
 
 /// The numbers of [`SelfContact`] as they are for one cloth.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Settings {
     /// Distance kept, m.
     pub distance: f32,

@@ -83,7 +83,7 @@ pub(crate) fn mend(
             let fabric = fabric.copied().unwrap_or_default();
             recover(&topology.0, &fabric, loads, &mut particles, &mut constraints, &history);
             if let Some(mut own) = own {
-                own.follow(&topology.0);
+                own.reset(&topology.0);
             }
             report(&mut commands, ClothRecovered { entity });
         }

@@ -62,7 +62,8 @@
 //!
 //! # Self-contact
 //! A cloth with the component [`SelfContact`] does not pass through itself: its layers lie on each other, the thickness of the
-//! fabric apart, and rub. Without it they pass freely, and nothing is computed. A cloth that is tangled when it is given the
+//! fabric apart, and rub. Without it they pass freely, and nothing is computed. Two cloths that both have it do not pass through each other
+//! either, wherever their entities are, unless [`SelfContact::others`] of one of them says so. A cloth that is tangled when it is given the
 //! component, or is put so, is untangled gently; [`ClothTangled`] and [`ClothUntangled`] tell. [`ClothStats`] counts what touches.
 //!
 //! # Air
@@ -131,6 +132,7 @@ pub mod teleport;
 pub mod weights;
 
 mod fault;
+mod groups;
 mod prepare;
 mod report;
 mod self_contact;

@@ -18,7 +18,7 @@ use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
-    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, damage, fault, prepare,
+    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, damage, fault, groups, prepare,
     self_contact, sleep, stats, step,
 };
 
@@ -111,6 +111,7 @@ impl Plugin for ClothPlugin {
         app.init_resource::<Time<ClothClock>>()
             .insert_resource(RunsInFixedLoop(in_fixed_loop))
             .init_resource::<ClothTick>()
+            .init_resource::<groups::Groups>()
             .init_resource::<Shared<Gravity>>()
             .init_resource::<Shared<Substeps>>()
             .init_resource::<Shared<Method>>()
@@ -158,8 +159,8 @@ fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
             ClothSubstepSchedule,
             (
                 (air::blow, step::integrate).chain().in_set(Integrate),
-                step::solve.in_set(Solve),
-                (step::collide, self_contact::collide).chain().in_set(Collide),
+                (step::solve, groups::accept).chain().in_set(Solve),
+                (step::collide, self_contact::collide, groups::collide).chain().in_set(Collide),
             ),
         )
         .configure_sets(PostUpdate, Draw.after(TransformSystems::Propagate))

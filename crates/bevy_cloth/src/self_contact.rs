@@ -15,12 +15,12 @@ use crate::sleep::ClothAsleep;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Tangled;
 
-/// Keeps each cloth that has [`SelfContact`](crate::SelfContact) off itself, after it was kept off colliders.
+/// Keeps each cloth that has [`SelfContact`](crate::SelfContact) and steps alone off itself, after it was kept off colliders.
 pub(crate) fn collide(
     mut cloths: Query<(&ClothTopology, &mut Particles, &Contacts, &mut SelfContacts, &StepPlan), Without<ClothAsleep>>,
 ) {
     for (topology, mut particles, contacts, mut own, plan) in &mut cloths {
-        if let Some(sub) = plan.substep {
+        if let Some(sub) = plan.substep.filter(|_| plan.group.is_none()) {
             contact::collide_self(topology, &mut particles, contacts, &mut own, &sub);
         }
     }

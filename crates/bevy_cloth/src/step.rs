@@ -115,11 +115,20 @@ pub(crate) fn run_substeps(
     for (mut plan, particles, constraints, contacts) in cloths.iter_mut(world) {
         plan.begin(dt, particles, constraints, contacts);
     }
+    // By group the most substeps that one of its cloths asks for.
+    let mut lefts: Vec<f32> = Vec::new();
     let _ = world.try_schedule_scope(ClothSubstepSchedule, |world, schedule| {
         loop {
             let mut some_left = false;
+            lefts.clear();
+            for plan in plans.iter(world) {
+                let Some(group) = plan.group else { continue };
+                lefts.resize(lefts.len().max(group + 1), 1.0);
+                lefts[group] = plan.left().max(lefts[group]);
+            }
             for mut plan in plans.iter_mut(world) {
-                some_left |= plan.next();
+                let left = plan.group.map_or_else(|| plan.left(), |group| lefts[group]);
+                some_left |= plan.next(left);
             }
             if !some_left {
                 break;
@@ -137,12 +146,14 @@ pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPl
     }
 }
 
-/// Solves, and takes the substep unless it was too long.
+/// Solves, and takes the substep unless it was too long. What steps together with others takes it together with them.
 pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut StepPlan), Without<ClothAsleep>>) {
     for (mut particles, mut constraints, mut plan) in &mut cloths {
         if let Some(sub) = plan.substep {
             let effort = method::solve(&mut particles, &mut constraints, &sub);
-            if plan.accepts(&effort) {
+            if plan.group.is_some() {
+                plan.judge(&effort);
+            } else if plan.accepts(&effort) {
                 method::accept(&mut particles, &mut constraints, &sub);
             }
         }

@@ -9,7 +9,7 @@ use crate::damage::fire::{Fire, Surroundings};
 use crate::damage::{self, Blade, Cut, Direction, Stroke, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
 use crate::method::Method;
-use crate::tick::{Pace, Tick};
+use crate::tick::{Effort, Pace, Substep, Tick};
 use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
 
@@ -131,7 +131,7 @@ impl Cloth {
             Some(change) => {
                 damage::follow(before, &self.topology, change, &mut self.particles, &mut self.constraints);
                 if let Some(own) = &mut self.self_contacts {
-                    own.follow(&self.topology);
+                    own.follow(&self.topology, change, &mut self.particles);
                 }
             }
             None => self.topology = before.clone(),
@@ -140,6 +140,20 @@ impl Cloth {
 
     /// Advances by one tick under `gravity` (m/s²).
     pub fn step(&mut self, tick: Tick, gravity: Vec3) {
+        let tick = self.begin_tick(tick, gravity);
+        while let Some(sub) = self.pace.substep(&tick) {
+            let effort = self.solve(&sub);
+            if self.pace.accept(&tick, &sub, &effort) {
+                self.accept(&sub);
+                if let Some(own) = &mut self.self_contacts {
+                    crate::contact::collide_self(&self.topology, &mut self.particles, &self.contacts, own, &sub);
+                }
+            }
+        }
+    }
+
+    /// Sets what acts in this tick, and gives it as it is for this cloth.
+    pub(crate) fn begin_tick(&mut self, tick: Tick, gravity: Vec3) -> Tick {
         self.particles.acceleration = gravity;
         match self.air {
             Some(_) => self.wind.sample(&self.topology, &mut self.particles),
@@ -147,19 +161,21 @@ impl Cloth {
         }
         let tick = self.constraints.adapt(&self.particles, tick);
         self.pace.begin(&tick, self.contacts.least_substeps(&self.particles));
-        while let Some(sub) = self.pace.substep(&tick) {
-            if let Some(air) = &self.air {
-                air.blow(&self.topology, &mut self.particles, &sub);
-            }
-            crate::method::integrate(&mut self.particles, &self.constraints, &sub);
-            let effort = crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
-            if self.pace.accept(&tick, &sub, &effort) {
-                crate::method::accept(&mut self.particles, &mut self.constraints, &sub);
-                crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
-                if let Some(own) = &mut self.self_contacts {
-                    crate::contact::collide_self(&self.topology, &mut self.particles, &self.contacts, own, &sub);
-                }
-            }
+        tick
+    }
+
+    /// Tries a substep.
+    pub(crate) fn solve(&mut self, sub: &Substep) -> Effort {
+        if let Some(air) = &self.air {
+            air.blow(&self.topology, &mut self.particles, sub);
         }
+        crate::method::integrate(&mut self.particles, &self.constraints, sub);
+        crate::method::solve(&mut self.particles, &mut self.constraints, sub)
+    }
+
+    /// Takes the substep that was tried, and keeps off solids.
+    pub(crate) fn accept(&mut self, sub: &Substep) {
+        crate::method::accept(&mut self.particles, &mut self.constraints, sub);
+        crate::contact::collide(&mut self.particles, &mut self.contacts, sub);
     }
 }

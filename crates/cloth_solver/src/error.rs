@@ -79,6 +79,12 @@ pub enum ClothError {
         /// Number of particles.
         particles: usize,
     },
+    /// A cloth of a group that does not keep off itself.
+    #[error("cloth {index} of the group has no contact with itself")]
+    NoSelfContact {
+        /// Its number.
+        index: usize,
+    },
 }
 
 impl ClothError {

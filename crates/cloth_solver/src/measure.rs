@@ -12,7 +12,7 @@ use crate::{Fabric, Particles, Soa3, Topology};
 mod crossing;
 mod elastic;
 
-pub use crossing::{Passage, crossings};
+pub use crossing::{Passage, crossings, crossings_between};
 pub(crate) use crossing::{passages, passes};
 pub use elastic::elastic_energy;
 

@@ -147,13 +147,28 @@ impl Pace {
 
     /// The substep at hand; `None` if the tick is over.
     pub fn substep(&mut self, tick: &Tick) -> Option<Substep> {
+        self.substep_of(tick, self.left(tick))
+    }
+
+    /// How many substeps are asked for until the tick is over. Cloths that step together take the most that any of them asks for.
+    pub fn left(&self, tick: &Tick) -> f32 {
+        let most = tick.range()[1];
+        // A thousandth: what is left but for rounding needs no substep of its own.
+        ((1.0 - self.at) * self.asked.clamp(self.floor(tick), most) - 1e-3).ceil().max(1.0)
+    }
+
+    /// The number of substeps that forces are smoothed for.
+    fn floor(&self, tick: &Tick) -> f32 {
+        let [least, most] = tick.range();
+        (least * self.shorter).clamp(least, most)
+    }
+
+    /// The substep at hand if so many are `left` in the tick, at least 1; `None` if the tick is over.
+    pub fn substep_of(&self, tick: &Tick, left: f32) -> Option<Substep> {
         if self.at >= 1.0 {
             return None;
         }
-        let [least, most] = tick.range();
-        // A thousandth: what is left but for rounding needs no substep of its own.
-        let floor = (least * self.shorter).clamp(least, most);
-        let left = ((1.0 - self.at) * self.asked.clamp(floor, most) - 1e-3).ceil().max(1.0);
+        let floor = self.floor(tick);
         let end = if left == 1.0 { 1.0 } else { self.at + (1.0 - self.at) / left };
         let h = tick.dt * (1.0 - self.at) / left;
         // Not the shortest that this tick takes: a change of stiffness adds energy or takes some.
@@ -187,6 +202,13 @@ impl Pace {
             self.due = 0.0;
         }
         true
+    }
+
+    /// Takes back that a substep was accepted, because a cloth that steps together with this one has to repeat it; `before` is what
+    /// it was before.
+    pub fn repeat(&mut self, before: Self) {
+        let Self { asked, taken, .. } = *self;
+        *self = Self { asked, taken, ..before };
     }
 
     /// Substeps taken in this tick so far, those that were repeated included.

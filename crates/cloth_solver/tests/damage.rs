@@ -10,6 +10,7 @@ use common::damage::*;
 use common::*;
 use glam::Vec3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 #[test]
 fn a_full_straight_cut_leaves_exactly_two_pieces_and_keeps_area_and_mass() {
@@ -155,7 +156,7 @@ fn no_part_gets_smaller_than_a_fiftieth_of_a_triangle_however_often_it_is_cut() 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
     #[test]
     fn random_cuts_and_holes_leave_a_sound_cloth_of_the_same_mass(

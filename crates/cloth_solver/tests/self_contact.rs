@@ -137,6 +137,42 @@ proptest! {
     }
 
     #[test]
+    fn the_sides_of_cuts_and_tears_do_not_pass_through_each_other(
+        preset in 0..Fabric::PRESETS.len(), cells in 8_u32..18, is_mesh in any::<bool>(), lies in any::<bool>(),
+        blades in prop::collection::vec([-0.3_f32..0.3, -0.3_f32..0.3, -0.3_f32..0.3, -0.3_f32..0.3], 1..4),
+        torn in prop::collection::vec((0_u32..400, -1.0_f32..1.0, -1.0_f32..1.0), 0..4),
+    ) {
+        let fabric = Fabric::PRESETS[preset].1;
+        let size = Vec2::new(0.5, 0.5);
+        let mut cloth = if is_mesh { irregular_mesh(size, [cells; 2], &fabric) } else { rectangle(size.x, size.y, cells, cells, &fabric) };
+        // It lies, or falls onto its edge and crumples.
+        let turn = if lies { Quat::from_rotation_x(0.2 - FRAC_PI_2) } else { Quat::from_rotation_x(0.15) * Quat::from_rotation_z(0.2) };
+        place(&mut cloth, turn, Vec3::Y * if lies { 0.1 } else { 0.35 });
+        lay_ground(&mut cloth, fabric.friction);
+        keep_off_itself(&mut cloth, &fabric);
+        run(&mut cloth, 0.2);
+        let along = if lies { Vec3::Y } else { Vec3::Z };
+        for [a, b, c, d] in blades {
+            let ray = |x: f32, y: f32| if lies { Vec3::new(x, 0.0, y) } else { Vec3::new(x, 0.25 + 0.5 * y, 0.0) };
+            let [from, to] = [ray(a, b), ray(c, d)].map(|x| [x + along, x - along]);
+            cloth.cut(&cloth_solver::damage::Blade { from, to });
+            run(&mut cloth, 0.05);
+        }
+        for (particle, x, y) in torn {
+            let pull = if x > y { cloth_solver::damage::Direction::Weft } else { cloth_solver::damage::Direction::Warp };
+            cloth.tear_at(particle % cloth.topology.slots() as u32, pull);
+            run(&mut cloth, 0.05);
+        }
+        let mut most = 0;
+        for _ in 0..180 {
+            cloth.step(TICK, GRAVITY);
+            most = most.max(crossings(&cloth));
+        }
+        prop_assert!(cloth.particles.is_finite());
+        prop_assert_eq!(most, 0);
+    }
+
+    #[test]
     fn particles_that_nothing_holds_together_collide_without_gain_of_energy_and_keep_their_momentum(
         seed in any::<u32>(), speed in 0.1_f32..20.0, friction in 0.0_f32..1.0,
     ) {

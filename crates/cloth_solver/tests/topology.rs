@@ -4,6 +4,7 @@ use cloth_solver::Topology;
 use cloth_solver::topology::{MeshSource, Resolution};
 use glam::{Quat, UVec2, Vec2, Vec3};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// Particles − edges + triangles: 1 for a disc, 0 for a cylinder, torus or Möbius strip, 2 for a sphere.
 fn euler_characteristic(topology: &Topology) -> i64 {
@@ -100,7 +101,7 @@ fn apart() -> impl Strategy<Value = Apart> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
     #[test]
     fn a_rectangle_taken_apart_is_welded_to_the_same_sheet(apart in apart()) {

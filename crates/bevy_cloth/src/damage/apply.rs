@@ -47,7 +47,7 @@ impl WholeItem<'_, '_> {
     pub fn become_(&mut self, now: Arc<Topology>, change: &Change, commands: &mut Commands) {
         damage::follow(&self.topology.0, &now, change, &mut self.particles, &mut self.constraints);
         if let Some(own) = &mut self.own {
-            own.follow(&now);
+            own.follow(&now, change, &mut self.particles);
         }
         self.history.position.follow(change);
         self.history.strokes.follow(change);

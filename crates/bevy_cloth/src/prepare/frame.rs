@@ -29,8 +29,18 @@ pub(crate) struct StepPlan {
     pub substeps: u32,
     /// The substep at hand; `None` for a cloth that has come to the end of the tick, or that has to repeat its substep.
     pub substep: Option<Substep>,
+    /// The number of the group of cloths that it steps together with, if it does.
+    pub group: Option<usize>,
+    /// The least number of substeps that the group takes.
+    pub at_least: f32,
+    /// It has come to rest, and may fall asleep if its group has.
+    pub at_rest: bool,
     tick: Option<Tick>,
     pace: Pace,
+    /// What it was before the substep at hand was accepted.
+    before: Pace,
+    /// The substep at hand was too long.
+    refused: bool,
     budget: Substeps,
     /// Where each hand pulled to at the end of the last tick, in the world, and where it is on its way to.
     hands: Vec<(u32, Follow)>,
@@ -49,7 +59,7 @@ impl StepPlan {
         if self.substeps > 0 {
             let Substeps { count, max, iterations } = self.budget;
             let tick = constraints.adapt(particles, Tick { dt, substeps: count, most: max.max(count), iterations });
-            self.pace.begin(&tick, contacts.least_substeps(particles));
+            self.pace.begin(&tick, contacts.least_substeps(particles).max(self.at_least));
             self.tick = Some(tick);
         }
     }
@@ -73,10 +83,34 @@ impl StepPlan {
         &mut self.hands[index].1
     }
 
-    /// Goes on to the next substep, if there is one.
-    pub fn next(&mut self) -> bool {
-        self.substep = self.tick.as_ref().and_then(|tick| self.pace.substep(tick));
+    /// How many substeps it asks for until the tick is over.
+    pub fn left(&self) -> f32 {
+        self.tick.as_ref().map_or(1.0, |tick| self.pace.left(tick))
+    }
+
+    /// Goes on to the next substep, if there is one, of so many that are `left`.
+    pub fn next(&mut self, left: f32) -> bool {
+        self.substep = self.tick.as_ref().and_then(|tick| self.pace.substep_of(tick, left));
         self.substep.is_some()
+    }
+
+    /// Takes note of what the substep at hand was like, of a cloth that steps together with others.
+    pub fn judge(&mut self, effort: &Effort) {
+        self.before = self.pace;
+        let (Some(tick), Some(sub)) = (&self.tick, self.substep) else { return };
+        self.refused = !self.pace.accept(tick, &sub, effort);
+        self.substeps = self.pace.taken();
+    }
+
+    /// Whether the substep that was judged was too long.
+    pub fn is_refused(&self) -> bool {
+        self.substep.is_some() && self.refused
+    }
+
+    /// Has the substep at hand repeated, shorter.
+    pub fn repeat(&mut self) {
+        self.pace.repeat(self.before);
+        self.substep = None;
     }
 
     /// Whether the substep at hand, having been like that, is taken; if not it is none any more.
@@ -305,7 +339,7 @@ pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut
         reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints, &place);
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
         if let Some(own) = &mut cloth.own {
-            own.follow(cloth.topology);
+            own.reset(cloth.topology);
         }
         if cloth.is_damaged || cloth.fire.is_some_and(|fire| fire.scarred || fire.is_warm()) {
             cloth.authored.forget_shape();

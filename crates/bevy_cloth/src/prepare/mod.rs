@@ -19,6 +19,7 @@ use cloth_solver::Pose;
 use cloth_solver::forces::{Fan, WindZone};
 
 use crate::air;
+use crate::groups;
 use crate::schedule::{ClothSchedule, ClothSystems};
 use crate::sleep;
 
@@ -85,7 +86,14 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
         .add_systems(schedule, run_build.in_set(ClothSystems::Build))
         .add_systems(
             ClothSchedule,
-            ((collider::place, wind_source::place), sleep::wake, frame::advance, collider::advance)
+            (
+                (collider::place, wind_source::place),
+                sleep::wake,
+                groups::wake_neighbors,
+                frame::advance,
+                collider::advance,
+                groups::form,
+            )
                 .chain()
                 .in_set(ClothSystems::Prepare),
         )

@@ -49,7 +49,9 @@ pub(crate) fn fall_asleep(
     if tick.still {
         return;
     }
+    let mut restless: Vec<usize> = Vec::new();
     for mut cloth in &mut cloths {
+        cloth.plan.at_rest = false;
         if cloth.plan.substeps == 0 {
             continue;
         }
@@ -57,7 +59,16 @@ pub(crate) fn fall_asleep(
         let limits = RestLimits { speed: settings.speed, time: settings.time };
         if !settings.enabled || cloth.is_driven(settings.wind) || cloth.is_disturbed(&limits, &disturbances) {
             cloth.rest.disturb();
-        } else if cloth.rest.watch(&cloth.particles, &limits, tick.dt) {
+        } else {
+            cloth.plan.at_rest = cloth.rest.watch(&cloth.particles, &limits, tick.dt);
+        }
+        if !cloth.plan.at_rest {
+            restless.extend(cloth.plan.group);
+        }
+    }
+    // What steps together falls asleep together.
+    for mut cloth in &mut cloths {
+        if cloth.plan.at_rest && !cloth.plan.group.is_some_and(|group| restless.contains(&group)) {
             let (entity, asleep) = (cloth.entity, cloth.stand_still());
             commands.entity(entity).try_insert(asleep);
             report(&mut commands, ClothFellAsleep { entity });

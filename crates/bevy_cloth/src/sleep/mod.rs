@@ -21,7 +21,8 @@ pub(crate) use wake::wake_up;
 ///
 /// It wakes when a component of its own or a shared setting changes, when its entity or what its pins follow moves, when a
 /// collider near it moves, comes or goes, when wind reaches it, when it is grabbed, torn, cut, lit or reset, when a system
-/// writes to its [`Particles`](crate::Particles), and when [`WakeCloth`](crate::WakeCloth) asks for it. Each change of
+/// writes to its [`Particles`](crate::Particles), when a cloth near it wakes or comes near that both keep off (see
+/// [`SelfContact`](crate::SelfContact); such cloths fall asleep together), and when [`WakeCloth`](crate::WakeCloth) asks for it. Each change of
 /// [`ClothAsleep`] is an event: [`ClothFellAsleep`], [`ClothWoke`].
 ///
 /// A component on a cloth overrides the resource [`Shared<ClothSleep>`](crate::Shared).
@@ -45,6 +46,13 @@ pub struct ClothSleep {
     /// long hangs askew by a few millimetres. Only cloth with the component [`Air`](crate::Air) feels any; at 0 such cloth never
     /// sleeps.
     pub wind: f32,
+}
+
+impl ClothAsleep {
+    /// The corners of the box around its particles, cloth frame, m.
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
 }
 
 impl ClothSleep {
@@ -94,6 +102,8 @@ pub enum WakeCause {
     Hand,
     /// It was torn, cut, lit, wetted or reset, or a system wrote to its particles.
     Particles,
+    /// Another cloth that it keeps off came near it, or one near it woke.
+    Cloth,
     /// [`WakeCloth`](crate::WakeCloth) asked for it.
     Request,
 }

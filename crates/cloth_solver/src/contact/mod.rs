@@ -11,7 +11,7 @@ mod shape;
 mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
-pub use cloth::{SelfContact, SelfContacts, collide_self};
+pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
 pub use touch::Touch;

@@ -2,10 +2,12 @@
 
 use glam::Vec3A;
 
+use super::features::{Features, Owned, side};
+use super::four;
 use super::hierarchy::{Bounds, Hierarchy};
 use super::nearest::{Kind, nearest};
+use super::surfaces::{Between, Surfaces};
 use super::tangle::Tangle;
-use super::{Settings, four};
 use crate::Topology;
 
 /// The part of the distance that edges keep. Where layers lie flat their vertices keep the whole of it, and edges have no work.
@@ -15,6 +17,9 @@ const EDGES: f32 = 0.75;
 const LEAST: f32 = 0.1;
 const LEAST_OF_NEARER: f32 = 0.9;
 
+/// Features nearer to each other at rest than this part of the distance kept were one before a cut.
+const SIDES: f32 = 1e-3;
+
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
@@ -22,8 +27,10 @@ pub(super) struct Pair {
     pub ids: [u32; 4],
     /// Distance kept, m.
     pub keep: f32,
-    /// How far both sides together may have moved, on paths less the drift, before they have to be looked at, m.
+    /// How far both sides together may move, on paths less the drift, before they have to be looked at, m.
     pub limit: f32,
+    /// How far each particle had gone since the search when `limit` was set, m.
+    pub path: [f32; 4],
     /// Which corners and sides of the triangle it speaks for.
     owned: Owned,
 }
@@ -81,46 +88,23 @@ impl Expected {
 }
 
 /// All pairs found by the last search.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Pairs {
     pub all: Vec<Pair>,
     pub is_bounded: bool,
     expected: Vec<Expected>,
-    /// Of each triangle its corners and sides that are paired with others in its name: each belongs to one triangle.
-    owned: Vec<Owned>,
-    /// Particles that each particle shares an edge with.
-    neighbors: Vec<Vec<u32>>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Owned {
-    corners: [bool; 3],
-    sides: [bool; 3],
-}
-
-/// The side of a triangle from corner `i` on.
-fn side(corners: [u32; 3], i: usize) -> [u32; 2] {
-    [corners[i], corners[(i + 1) % 3]]
+    features: Features,
 }
 
 impl Pairs {
-    pub fn new(topology: &Topology) -> Self {
-        let mut is_taken = vec![false; topology.slots()];
-        let mut edges = std::collections::HashSet::new();
-        let owned = topology.triangles.iter().map(|corners| Owned {
-            corners: corners.map(|slot| !std::mem::replace(&mut is_taken[slot as usize], true)),
-            sides: [0, 1, 2].map(|i| {
-                let [a, b] = side(*corners, i);
-                edges.insert([a.min(b), a.max(b)])
-            }),
-        });
-        let owned = owned.collect();
-        let mut neighbors = vec![Vec::new(); topology.slots()];
-        for &[a, b] in &topology.edges {
-            neighbors[a as usize].push(b);
-            neighbors[b as usize].push(a);
-        }
-        Self { owned, neighbors, expected: vec![Expected::default(); topology.slots()], ..Self::default() }
+    pub fn new(features: Features) -> Self {
+        let expected = vec![Expected::default(); features.slots()];
+        Self { all: Vec::new(), is_bounded: false, expected, features }
+    }
+
+    /// The features that are paired.
+    pub fn features(&self) -> &Features {
+        &self.features
     }
 
     pub fn len(&self) -> usize {
@@ -140,7 +124,7 @@ impl Pairs {
     pub fn find(
         &mut self,
         topology: &Topology,
-        settings: &Settings,
+        surfaces: &Surfaces,
         hierarchy: &mut Hierarchy,
         bounds: &[Bounds],
         starts: &[Vec3A],
@@ -150,21 +134,21 @@ impl Pairs {
         all.clear();
         let around = |slots: &[u32]| slots.iter().fold(Bounds::EMPTY, |all, slot| all.join(bounds[*slot as usize]));
         let mut add = |kind: Kind, ids: [u32; 4], owned: Owned| {
-            if all.len() < settings.most {
-                all.extend(self.pair(topology, settings, starts, tangle, kind, ids, owned));
+            if all.len() < surfaces.most {
+                all.extend(self.pair(topology, surfaces, starts, tangle, kind, ids, owned));
             }
         };
         hierarchy.for_each_pair(|first, second| {
             for &a in first {
                 let corners_a = topology.triangles[a as usize];
-                let (box_a, owned_a) = (around(&corners_a), self.owned[a as usize]);
+                let (box_a, owned_a) = (around(&corners_a), self.features.owned[a as usize]);
                 for &b in second {
                     let corners_b = topology.triangles[b as usize];
                     let box_b = around(&corners_b);
                     if !box_a.overlaps(&box_b) {
                         continue;
                     }
-                    let owned_b = self.owned[b as usize];
+                    let owned_b = self.features.owned[b as usize];
                     let two = [
                         (owned_a, corners_a, owned_b, corners_b, box_b),
                         (owned_b, corners_b, owned_a, corners_a, box_a),
@@ -192,7 +176,7 @@ impl Pairs {
                 }
             }
         });
-        self.is_bounded = all.len() >= settings.most;
+        self.is_bounded = all.len() >= surfaces.most;
         self.all = all;
     }
 
@@ -200,7 +184,7 @@ impl Pairs {
     fn pair(
         &self,
         topology: &Topology,
-        settings: &Settings,
+        surfaces: &Surfaces,
         starts: &[Vec3A],
         tangle: &Tangle,
         kind: Kind,
@@ -214,30 +198,39 @@ impl Pairs {
         let approach =
             first.iter().map(expected).flat_map(|a| second.iter().map(expected).map(move |b| a.approach(&b)));
         let approach = approach.fold(0.0, f32::max);
-        if distance > settings.distance + approach || tangle.involves(kind, ids) {
+        let between = surfaces.between(ids[0], ids[3]);
+        if distance > between.distance + approach || tangle.involves(kind, ids) {
             return None;
         }
-        let mut pair = Pair { kind, ids, keep: self.distance_kept(topology, settings, kind, ids), limit: 0.0, owned };
+        let mut pair = Pair {
+            kind,
+            ids,
+            keep: self.distance_kept(topology, &between, kind, ids),
+            limit: 0.0,
+            path: [0.0; 4],
+            owned,
+        };
         pair.limit = distance - pair.limit_at(distance, &found.weights);
         (pair.limit <= approach).then_some(pair)
     }
 
     /// What lies nearer in the weave than the distance kept may stay as near as nine tenths of that. The two sides of a cut do not belong
     /// to each other.
-    fn distance_kept(&self, topology: &Topology, settings: &Settings, kind: Kind, ids: [u32; 4]) -> f32 {
-        let rest = nearest(kind, &ids.map(|slot| Vec3A::from(topology.rest[slot as usize]))).between.length();
+    fn distance_kept(&self, topology: &Topology, between: &Between, kind: Kind, ids: [u32; 4]) -> f32 {
         let distance = match kind {
-            Kind::VertexTriangle => settings.distance,
-            Kind::EdgeEdge => EDGES * settings.distance,
+            Kind::VertexTriangle => between.distance,
+            Kind::EdgeEdge => EDGES * between.distance,
         };
-        if 0.9 * rest >= distance {
+        if !between.is_own {
+            return distance;
+        }
+        let rest = nearest(kind, &ids.map(|slot| Vec3A::from(topology.rest[slot as usize]))).between.length();
+        // What stands at one place at rest are the two sides of a cut, also next to its end, where they hang together.
+        if 0.9 * rest >= distance || rest < SIDES * distance {
             return distance;
         }
         let (first, second) = ids.split_at(kind.split());
-        let near = |slot: &u32| &self.neighbors[*slot as usize];
-        let hang_together = first.iter().any(|a| {
-            second.iter().any(|b| near(a).contains(b) || near(a).iter().any(|between| near(b).contains(between)))
-        });
+        let hang_together = first.iter().any(|a| second.iter().any(|b| self.features.hang_together(*a, *b)));
         if hang_together { 0.9 * rest } else { distance }
     }
 }

@@ -6,14 +6,19 @@ use glam::{Vec3, Vec3A};
 
 use super::candidates::Expected;
 use super::hierarchy::{Bounds, Hierarchy};
+use super::state::{Solids, State};
+use super::surfaces::Surfaces;
 use super::tangle::Tangle;
-use super::{Contacts, SelfContacts, Settings};
 use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
 use crate::tick::Substep;
 use crate::{Particles, Soa3, Topology};
 
 /// A crossing that nothing told of, from rounding, is looked for after so many ticks.
 const TICKS_TO_CHECK: u32 = 64;
+
+/// What someone else moves by no more than this part of the distance kept is still on the side on which it was: pairs always keep a
+/// tenth of it. A frame that moves shifts its particles by a rounding.
+const MOVED: f32 = 0.01;
 
 /// Fewer pairs for each particle than this are no burden, more than that make the search look less far ahead.
 const FEW: f32 = 0.25;
@@ -22,7 +27,7 @@ const MANY: f32 = 6.0;
 /// The paths that particles are expected to take, and how far they may leave them.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
-    hierarchy: Hierarchy,
+    pub hierarchy: Hierarchy,
     bounds: Vec<Bounds>,
     /// Where particles will be when their paths end, m.
     later: Vec<Vec3A>,
@@ -52,10 +57,9 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    pub fn new(topology: &Topology, settings: &Settings) -> Self {
-        let slots = topology.slots();
+    pub fn new(slots: usize, hierarchy: Hierarchy, surfaces: &Surfaces) -> Self {
         Self {
-            hierarchy: Hierarchy::new(topology),
+            hierarchy,
             bounds: vec![Bounds::EMPTY; slots],
             later: vec![Vec3A::ZERO; slots],
             from: Soa3::zeros(slots),
@@ -66,7 +70,7 @@ impl Watch {
             elapsed: 0.0,
             drifted: Vec3::ZERO,
             drift: Vec3::ZERO,
-            margin: settings.distance.max(settings.edge / 16.0),
+            margin: surfaces.distance.max(surfaces.edge / 16.0),
             age: 0,
             searches: 0,
             is_suspect: true,
@@ -76,9 +80,9 @@ impl Watch {
 
     /// Plans the next search, after one that found `crowd` pairs for each particle: how far ahead it looks, so that it lasts for about
     /// a tick without finding too many.
-    fn plan(&mut self, settings: &Settings, crowd: f32, h: f32, tick: f32) {
+    fn plan(&mut self, surfaces: &Surfaces, crowd: f32, h: f32, tick: f32) {
         let substeps = tick / h;
-        let (least, most) = (0.25 * settings.distance, 0.25 * settings.edge);
+        let (least, most) = (0.25 * surfaces.distance, 0.25 * surfaces.edge);
         let factor = if crowd < FEW { 2.0 } else { (1.5 * substeps / self.age.max(1) as f32).clamp(0.5, 2.0) };
         self.margin = (self.margin * factor).clamp(least, most.max(least));
         self.ahead = if crowd > MANY { 0.5 * self.ahead } else { 1.5 * self.ahead }.clamp(0.5 / substeps, 1.0);
@@ -86,8 +90,8 @@ impl Watch {
     }
 
     /// Plans a search for the substep at hand alone, because there were too many pairs.
-    fn look_no_farther(&mut self, settings: &Settings) {
-        (self.margin, self.ahead, self.horizon) = (0.25 * settings.distance, 0.0, 0.0);
+    fn look_no_farther(&mut self, surfaces: &Surfaces) {
+        (self.margin, self.ahead, self.horizon) = (0.25 * surfaces.distance, 0.0, 0.0);
     }
 
     pub fn advance(&mut self, h: f32) {
@@ -123,7 +127,7 @@ fn has_been_left<S: Simd>(simd: S, watch: &Watch, position: &Soa3) -> bool {
     is_left.any_true()
 }
 
-impl SelfContacts {
+impl State {
     pub(super) fn begin_tick(&mut self, topology: &Topology, particles: &Particles) {
         let watch = &mut self.watch;
         let (mut mass, mut momentum) = (0.0_f32, Vec3::ZERO);
@@ -136,7 +140,9 @@ impl SelfContacts {
         watch.drift = if mass > 0.0 { momentum / mass } else { Vec3::ZERO };
         watch.ticks += 1;
         watch.is_suspect |= watch.ticks.is_multiple_of(TICKS_TO_CHECK);
-        if !self.tangle.passages.is_empty() || self.response.was_moved(&particles.previous) {
+        if !self.tangle.passages.is_empty()
+            || self.response.was_moved(&particles.previous, MOVED * self.surfaces.distance)
+        {
             watch.is_suspect = true;
             watch.expire();
         }
@@ -148,24 +154,24 @@ impl SelfContacts {
         &mut self,
         topology: &Topology,
         particles: &Particles,
-        contacts: &Contacts,
+        solids: &[Solids],
         sub: &Substep,
         is_again: bool,
     ) {
         let tick = sub.h / (sub.end - sub.start);
         let crowd = self.pairs.len() as f32 / topology.slots() as f32;
-        self.watch.plan(&self.settings, crowd, sub.h, tick);
+        self.watch.plan(&self.surfaces, crowd, sub.h, tick);
         self.search(topology, particles, sub, is_again);
         if self.pairs.is_bounded {
-            self.watch.look_no_farther(&self.settings);
+            self.watch.look_no_farther(&self.surfaces);
             self.search(topology, particles, sub, is_again);
         }
-        self.response.begin(&self.pairs, particles, contacts, sub);
+        self.response.begin(&self.pairs, particles, solids, sub);
     }
 
     /// One search, as it is planned.
     fn search(&mut self, topology: &Topology, particles: &Particles, sub: &Substep, is_again: bool) {
-        let Self { settings, watch, pairs, response, tangle } = self;
+        let Self { surfaces, watch, pairs, response, tangle } = self;
         watch.searches += 1;
         let shift = Vec3A::from(watch.drift * sub.h);
         for slot in 0..topology.slots() {
@@ -178,12 +184,12 @@ impl SelfContacts {
             let (from, on) = (from + shift, to + Vec3A::from(way));
             watch.reach[slot] = watch.margin + 0.1 * way.length() + if is_again { from.distance(to) } else { 0.0 };
             watch.later[slot] = on;
-            let around = Vec3A::splat(watch.reach[slot] + 0.5 * settings.distance);
+            let around = Vec3A::splat(watch.reach[slot] + surfaces.half_distance(slot));
             watch.bounds[slot] = Bounds { min: from.min(to).min(on) - around, max: from.max(to).max(on) + around };
             pairs.expect(slot, Expected { now: to - from, later: on - from, reach: watch.reach[slot] });
         }
         watch.hierarchy.refit(&watch.bounds);
-        watch.hierarchy.find_cones(topology, response.starts(), &watch.later);
+        watch.hierarchy.find_cones(topology, response.starts(), &watch.later, &watch.reach);
         let was_empty = pairs.is_empty();
         let look = |tangle: &mut Tangle, watch: &mut Watch, starts: &[Vec3A]| {
             tangle.find(topology, &mut watch.hierarchy, starts);
@@ -192,12 +198,12 @@ impl SelfContacts {
         if watch.is_suspect && !was_empty {
             look(tangle, watch, response.starts());
         }
-        pairs.find(topology, settings, &mut watch.hierarchy, &watch.bounds, response.starts(), tangle);
+        pairs.find(topology, surfaces, &mut watch.hierarchy, &watch.bounds, response.starts(), tangle);
         if was_empty && !pairs.is_empty() {
             // Nobody looked while there was nothing near.
             look(tangle, watch, response.starts());
             if !tangle.passages.is_empty() {
-                pairs.find(topology, settings, &mut watch.hierarchy, &watch.bounds, response.starts(), tangle);
+                pairs.find(topology, surfaces, &mut watch.hierarchy, &watch.bounds, response.starts(), tangle);
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Which triangles of a cloth may meet: patches of triangles that hang together, in a hierarchy of boxes.
 //!
 //! A patch whose normals lie within a cone, and so with its neighbours, cannot meet itself (Volino, Magnenat-Thalmann 1994;
-//! Provot 1997): of a curtain at rest nothing is left to look at. Where a cut leaves two sides at one place of the rest shape, flatness
+//! Provot 1997): of a curtain at rest nothing is left to look at. How wide the cone may be depends on how far particles may be off
+//! their paths: that turns triangles. Where a cut leaves two sides at one place of the rest shape, flatness
 //! says nothing: they may slide over each other.
 
 use std::collections::HashMap;
@@ -13,7 +14,7 @@ use crate::Topology;
 /// Triangles in a patch at most.
 const PATCH: usize = 16;
 
-/// Normals farther than 60° from their mean may turn over before candidates are looked for again.
+/// Cosine of the widest cone.
 const CONE: f32 = 0.5;
 
 /// An axis-aligned box, m.
@@ -72,26 +73,35 @@ struct Cone {
     /// Cosine and sine of its half angle.
     cosine: f32,
     sine: f32,
+    /// Sine of the angle by which its triangles may turn.
+    turn: f32,
 }
 
 impl Cone {
-    /// That of the normals of `triangles`, [`PATCH`] at most.
-    fn new(topology: &Topology, triangles: &[u32], positions: &[Vec3A]) -> Self {
+    /// That of the normals of `triangles`, [`PATCH`] at most, whose particles may be `reach` m off.
+    fn new(topology: &Topology, triangles: &[u32], positions: &[Vec3A], reach: f32) -> Self {
         let mut normals = [Vec3A::ZERO; PATCH];
         let normals = &mut normals[..triangles.len()];
         let mut sum = Vec3A::ZERO;
+        // The square of the smallest height of a triangle.
+        let mut height = f32::MAX;
         for (normal, triangle) in normals.iter_mut().zip(triangles) {
             let [a, b, c] = topology.triangles[*triangle as usize].map(|slot| positions[slot as usize]);
-            *normal = (b - a).cross(c - a).normalize_or_zero();
+            let cross = (b - a).cross(c - a);
+            let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
+            height = height.min(cross.length_squared() / longest.max(f32::MIN_POSITIVE));
+            *normal = cross.normalize_or_zero();
             sum += *normal;
         }
         let axis = sum.normalize_or_zero();
         let cosine = normals.iter().map(|normal| axis.dot(*normal)).fold(1.0, f32::min);
         let axis = if cosine > CONE { axis } else { Vec3A::ZERO };
-        Self { axis, cosine, sine: (1.0 - cosine * cosine).max(0.0).sqrt() }
+        let turn = 2.0 * reach / height.sqrt();
+        Self { axis, cosine, sine: (1.0 - cosine * cosine).max(0.0).sqrt(), turn }
     }
 
-    /// Whether a cone around the mean axis of both, of half the angle between them and the larger of their own, is still narrow.
+    /// Whether a cone around the mean axis of both, of half the angle between them and the larger of their own, is still narrow, and less
+    /// than a right angle wide to all sides once triangles have turned as far as they may.
     fn joins(&self, other: &Self) -> bool {
         if self.axis == Vec3A::ZERO || other.axis == Vec3A::ZERO {
             return false;
@@ -99,7 +109,7 @@ impl Cone {
         let between = self.axis.dot(other.axis).clamp(-1.0, 1.0);
         let [cosine, sine] = [0.5 * (1.0 + between), 0.5 * (1.0 - between)].map(f32::sqrt);
         let wider = if self.cosine < other.cosine { self } else { other };
-        cosine * wider.cosine - sine * wider.sine > CONE
+        cosine * wider.cosine - sine * wider.sine > CONE.max(self.turn).max(other.turn)
     }
 }
 
@@ -167,6 +177,37 @@ impl Hierarchy {
         }
     }
 
+    /// That of several cloths, whose slots and triangles follow on one another: of each its hierarchy and so many slots and triangles.
+    pub fn join<'a>(cloths: impl IntoIterator<Item = (&'a Self, u32, u32)>) -> Self {
+        let mut joint = Self::default();
+        let (mut slots, mut triangles) = (0, 0);
+        // Above the roots a node that has one of them as its first child, and what is left as its second.
+        let mut cloths = cloths.into_iter().filter(|(cloth, ..)| !cloth.nodes.is_empty()).peekable();
+        while let Some((cloth, more_slots, more_triangles)) = cloths.next() {
+            if cloths.peek().is_some() {
+                let next = (joint.nodes.len() + 1 + cloth.nodes.len()) as u32;
+                joint.nodes.push(Node { next, is_leaf: false });
+            }
+            let (node, patch) = (joint.nodes.len() as u32, joint.patches.len() as u32);
+            joint.nodes.extend(
+                cloth
+                    .nodes
+                    .iter()
+                    .map(|&Node { next, is_leaf }| Node { next: next + if is_leaf { patch } else { node }, is_leaf }),
+            );
+            let shifted = |all: &[u32], by: u32| all.iter().map(|index| index + by).collect();
+            joint.patches.extend(cloth.patches.iter().map(|patch_of_it| Patch {
+                triangles: shifted(&patch_of_it.triangles, triangles),
+                particles: shifted(&patch_of_it.particles, slots),
+                neighbors: shifted(&patch_of_it.neighbors, patch),
+                ..*patch_of_it
+            }));
+            (slots, triangles) = (slots + more_slots, triangles + more_triangles);
+        }
+        joint.bounds = vec![Bounds::EMPTY; joint.nodes.len()];
+        joint
+    }
+
     /// Fits the boxes to those of the particles.
     pub fn refit(&mut self, particles: &[Bounds]) {
         for index in (0..self.nodes.len()).rev() {
@@ -180,10 +221,12 @@ impl Hierarchy {
         }
     }
 
-    /// Finds the cones of the normals of all patches with their particles at `now` and at `later`.
-    pub fn find_cones(&mut self, topology: &Topology, now: &[Vec3A], later: &[Vec3A]) {
+    /// Finds the cones of the normals of all patches with their particles at `now` and at `later`, or, each, as many metres off as
+    /// `reach` says.
+    pub fn find_cones(&mut self, topology: &Topology, now: &[Vec3A], later: &[Vec3A], reach: &[f32]) {
         for patch in self.patches.iter_mut().filter(|patch| !patch.is_slit) {
-            patch.cones = [now, later].map(|positions| Cone::new(topology, &patch.triangles, positions));
+            let reach = patch.particles.iter().map(|slot| reach[*slot as usize]).fold(0.0, f32::max);
+            patch.cones = [now, later].map(|positions| Cone::new(topology, &patch.triangles, positions, reach));
         }
     }
 
@@ -240,20 +283,31 @@ impl Hierarchy {
 /// For each slot whether another particle stands nearer to it at rest than a tenth of the mean edge.
 fn doubled(topology: &Topology) -> Vec<bool> {
     let lengths = topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]));
-    let near = 0.1 * lengths.sum::<f32>() / topology.edges.len().max(1) as f32;
-    let cell = |x: Vec3| (x / near.max(f32::MIN_POSITIVE)).floor().as_ivec3();
-    let mut slots_in: HashMap<glam::IVec3, Vec<u32>> = HashMap::new();
+    let edge = lengths.sum::<f32>() / topology.edges.len().max(1) as f32;
+    let (near, edge) = (0.1 * edge, edge.max(f32::MIN_POSITIVE));
+    // Off the places where the rows and columns of a rectangle are: there few particles are near the next cell.
+    let cell = |x: Vec3| (x / edge + 0.37).floor().as_ivec3();
+    let mut last_in: HashMap<glam::IVec3, u32> = HashMap::with_capacity(topology.slots());
+    let mut before = vec![u32::MAX; topology.slots()];
     for slot in topology.particles() {
-        slots_in.entry(cell(topology.rest[slot as usize])).or_default().push(slot);
+        let last = last_in.insert(cell(topology.rest[slot as usize]), slot);
+        before[slot as usize] = last.unwrap_or(u32::MAX);
     }
     let mut is_doubled = vec![false; topology.slots()];
     for slot in topology.particles() {
         let x = topology.rest[slot as usize];
-        let around = (0..27).map(|i| cell(x) + glam::IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        is_doubled[slot as usize] = around
-            .filter_map(|cell| slots_in.get(&cell))
-            .flatten()
-            .any(|other| *other != slot && topology.rest[*other as usize].distance(x) < near);
+        let (low, high) = (cell(x - near), cell(x + near));
+        for i in low.x..=high.x {
+            for j in low.y..=high.y {
+                for k in low.z..=high.z {
+                    let mut other = last_in.get(&glam::IVec3::new(i, j, k)).copied().unwrap_or(u32::MAX);
+                    while let Some(rest) = topology.rest.get(other as usize) {
+                        is_doubled[slot as usize] |= other != slot && rest.distance(x) < near;
+                        other = before[other as usize];
+                    }
+                }
+            }
+        }
     }
     is_doubled
 }

@@ -8,30 +8,35 @@
 //! 3. **Check**: pairs that no plane parts over the whole substep are swept; those that meet get a contact where they do, and what meets
 //!    even then moves nearly as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
 //!
-//! So what begins free of intersections stays free of them, but for what a cut leaves in one place, which is on no side of itself. What begins tangled is untangled: see `tangle`.
+//! So what begins free of intersections stays free of them; the sides of a cut begin a little apart: see `cut`. What begins tangled is untangled: see `tangle`.
 
 mod candidates;
+mod cut;
 mod detect;
+mod features;
+mod group;
 mod hierarchy;
 mod nearest;
 mod respond;
 mod solve;
+mod state;
 mod stop;
+mod surfaces;
 mod sweep;
 mod tangle;
 mod zone;
 
+pub use group::GroupContacts;
 pub(crate) use hierarchy::{Bounds, Hierarchy};
 
 use glam::Vec3A;
 
 use super::Contacts;
 use crate::tick::Substep;
+use crate::topology::Change;
 use crate::{ClothError, Fabric, Particles, Topology};
-use candidates::Pairs;
-use detect::Watch;
-use respond::Response;
-use tangle::Tangle;
+use state::{Solids, State};
+use surfaces::Settings;
 
 /// How a cloth keeps off itself.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
@@ -49,11 +54,13 @@ pub struct SelfContact {
     /// Most pairs of features that are followed, for each particle; 1..=1000, default 64. A cloth crumpled so that there are more is
     /// no longer kept from passing through itself everywhere, and [`SelfContacts::is_bounded`] says so.
     pub budget: u32,
+    /// Whether it also keeps off every other cloth with `SelfContact` of which this is `true`; default `true`.
+    pub others: bool,
 }
 
 impl Default for SelfContact {
     fn default() -> Self {
-        Self { distance: None, friction: None, rate: 50.0, budget: 64 }
+        Self { distance: None, friction: None, rate: 50.0, budget: 64, others: true }
     }
 }
 
@@ -71,27 +78,23 @@ impl SelfContact {
     }
 }
 
-/// The numbers of [`SelfContact`] as they are for one cloth.
-#[derive(Clone, Copy, Debug)]
-struct Settings {
-    distance: f32,
-    friction: f32,
-    rate: f32,
-    /// Most pairs.
-    most: usize,
-    /// Mean edge at rest, m.
-    edge: f32,
-}
-
 /// What contact of a cloth with itself needs to know of it, and what it found.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
 #[derive(Clone, Debug)]
 pub struct SelfContacts {
     settings: Settings,
-    watch: Watch,
-    pairs: Pairs,
-    response: Response,
-    tangle: Tangle,
+    others: bool,
+    state: State,
+    found: Found,
+}
+
+/// What was found of one cloth.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    touching: u32,
+    candidates: usize,
+    tangled: usize,
+    is_bounded: bool,
 }
 
 impl SelfContacts {
@@ -101,29 +104,22 @@ impl SelfContacts {
     /// A setting out of its range.
     pub fn new(topology: &Topology, fabric: &Fabric, settings: &SelfContact) -> Result<Self, ClothError> {
         settings.validate()?;
-        let edge = super::mean_edge(topology);
-        let settings = Settings {
-            distance: settings.distance.unwrap_or(fabric.thickness.max(edge / 200.0)),
-            friction: settings.friction.unwrap_or(fabric.friction),
-            rate: settings.rate,
-            most: settings.budget as usize * topology.particle_count(),
-            edge,
-        };
-        Ok(Self {
-            settings,
-            watch: Watch::new(topology, &settings),
-            pairs: Pairs::new(topology),
-            response: Response::new(topology),
-            tangle: Tangle::default(),
-        })
+        let others = settings.others;
+        let settings = Settings::new(topology, fabric, settings);
+        Ok(Self { settings, others, state: State::new(topology, settings), found: Found::default() })
     }
 
-    /// Updates it after a change of the topology, which is `now`.
-    pub fn follow(&mut self, now: &Topology) {
-        self.watch = Watch::new(now, &self.settings);
-        self.pairs = Pairs::new(now);
-        self.response = Response::new(now);
-        self.tangle = Tangle::default();
+    /// Begins anew with the cloth of `topology`: it was placed by someone else, or is another one.
+    pub fn reset(&mut self, topology: &Topology) {
+        self.state = State::new(topology, self.settings);
+        self.found = Found::default();
+    }
+
+    /// Updates it after `change` of the topology, which is `now`, of particles that have followed already. What was parted stands at one
+    /// place and is on no side of itself: its sides are drawn apart, each into its own cloth, by a fraction of the distance kept.
+    pub fn follow(&mut self, now: &Topology, change: &Change, particles: &mut Particles) {
+        self.reset(now);
+        cut::draw_apart(now, change, particles, self.settings.distance);
     }
 
     /// Distance kept between two layers, m.
@@ -131,34 +127,39 @@ impl SelfContacts {
         self.settings.distance
     }
 
+    /// Whether it keeps off other cloths, too: [`SelfContact::others`].
+    pub fn meets_others(&self) -> bool {
+        self.others
+    }
+
     /// Pairs of features that press on each other, in the last substep.
     pub fn touching(&self) -> u32 {
-        self.response.touching
+        self.found.touching
     }
 
     /// Pairs of features that may come near each other before they are looked for again.
     pub fn candidates(&self) -> usize {
-        self.pairs.len()
+        self.found.candidates
     }
 
     /// Edges that pass through a triangle, when they were last looked for: of a cloth that began tangled. 0 once it is free.
     pub fn tangled(&self) -> usize {
-        self.tangle.passages.len()
+        self.found.tangled
     }
 
     /// Whether there were more pairs than [`SelfContact::budget`] allows when they were last looked for.
     pub fn is_bounded(&self) -> bool {
-        self.pairs.is_bounded
+        self.found.is_bounded
     }
 
     /// How often candidates have been looked for so far.
     pub fn searches(&self) -> u32 {
-        self.watch.searches
+        self.state.watch.searches
     }
 
     /// Substeps so far in which some particles had to move as a rigid body.
     pub fn rigid_substeps(&self) -> u32 {
-        self.response.rigid
+        self.state.response.rigid
     }
 }
 
@@ -170,17 +171,15 @@ pub fn collide_self(
     own: &mut SelfContacts,
     sub: &Substep,
 ) {
-    if sub.start <= 0.0 {
-        own.begin_tick(topology, particles);
-    }
-    own.response.touching = 0;
-    own.watch.advance(sub.h);
-    if own.watch.has_been_left(&particles.position) {
-        own.detect(topology, particles, contacts, sub, false);
-    }
-    if !own.pairs.is_empty() || own.tangled() > 0 {
-        own.respond(topology, particles, contacts, sub);
-    }
+    let solids = [Solids { slots: 0..topology.slots() as u32, contacts }];
+    own.state.collide(topology, particles, &solids, sub);
+    let State { response, pairs, tangle, .. } = &own.state;
+    own.found = Found {
+        touching: response.touching,
+        candidates: pairs.len(),
+        tangled: tangle.passages.len(),
+        is_bounded: pairs.is_bounded,
+    };
 }
 
 /// The four entries that belong to a pair.

@@ -115,13 +115,14 @@ pub(super) fn gap_along(kind: Kind, points: &[Vec3A; 4], normal: Vec3A) -> f32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     fn point() -> impl Strategy<Value = Vec3A> {
         [-1.0_f32..1.0, -1.0_f32..1.0, -1.0_f32..1.0].prop_map(Vec3A::from_array)
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
         #[test]
         fn no_two_points_of_a_pair_are_nearer_than_those_found(points in [point(), point(), point(), point()]) {

@@ -5,10 +5,11 @@ use glam::Vec3A;
 use super::candidates::{Pair, Pairs};
 use super::nearest::{Kind, gap_along, nearest};
 use super::solve::{Bodies, Contact, Law, solve};
+use super::state::{Solids, State};
 use super::stop::Stop;
 use super::sweep::first_meeting;
 use super::zone::Zones;
-use super::{Contacts, SelfContacts, four, tangle};
+use super::{four, tangle};
 use crate::tick::Substep;
 use crate::{Particles, Soa3, Topology};
 
@@ -66,8 +67,7 @@ pub(super) struct Response {
 }
 
 impl Response {
-    pub fn new(topology: &Topology) -> Self {
-        let slots = topology.slots();
+    pub fn new(slots: usize) -> Self {
         Self {
             bodies: Bodies::new(slots),
             used: Vec::new(),
@@ -95,13 +95,20 @@ impl Response {
         &self.bodies.starts
     }
 
-    /// Whether someone else has moved a particle since the last substep ended, which was at `position`.
-    pub fn was_moved(&self, position: &Soa3) -> bool {
-        self.used.iter().any(|slot| self.ends[*slot as usize] != Vec3A::from(position.get(*slot as usize)))
+    /// The particles of what pressed in the last substep.
+    pub fn pressing(&self) -> impl Iterator<Item = &[u32; 4]> {
+        self.contacts.iter().filter(|contact| contact.presses()).map(|contact| &contact.ids)
+    }
+
+    /// Whether someone else has moved a particle that is at `position` by more than `least` (m) since the last substep ended.
+    pub fn was_moved(&self, position: &Soa3, least: f32) -> bool {
+        let end = |slot: u32| self.ends[slot as usize];
+        let is_moved = |slot: u32| end(slot).distance_squared(position.get(slot as usize).into()) > least * least;
+        self.used.iter().any(|slot| is_moved(*slot))
     }
 
     /// Begins with new pairs.
-    pub fn begin(&mut self, pairs: &Pairs, particles: &Particles, contacts: &Contacts, sub: &Substep) {
+    pub fn begin(&mut self, pairs: &Pairs, particles: &Particles, solids: &[Solids], sub: &Substep) {
         let mut is_used = vec![false; self.path.len()];
         pairs.all.iter().flat_map(|pair| pair.ids).for_each(|id| is_used[id as usize] = true);
         self.used.clear();
@@ -113,7 +120,7 @@ impl Response {
         self.near.clear();
         self.contacts.clear();
         self.stops.iter().for_each(|stop| self.bodies.held[stop.particle as usize] = Vec3A::ZERO);
-        Stop::find(&mut self.stops, &self.used, particles, contacts, sub);
+        Stop::find(&mut self.stops, &self.used, particles, solids, sub);
         self.gather(particles);
     }
 
@@ -158,16 +165,16 @@ impl Response {
             if self.is_near[index] {
                 continue;
             }
-            let most = ways(&self.assumed, pair);
-            if most < pair.limit {
+            if ways(&self.assumed, pair) < pair.limit {
                 continue;
             }
             let Pair { kind, ids, keep, .. } = *pair;
             let starts = four(&self.bodies.starts, &ids);
             let found = nearest(kind, &starts);
             let distance = found.between.length();
-            pair.limit = distance - pair.limit_at(distance, &found.weights) + ways(&self.path, pair);
-            if most < pair.limit {
+            pair.limit = distance - pair.limit_at(distance, &found.weights);
+            pair.path = ids.map(|id| self.path[id as usize]);
+            if ways(&self.assumed, pair) < pair.limit {
                 continue;
             }
             if distance < NO_SIDE {
@@ -208,36 +215,30 @@ impl Response {
     }
 }
 
-/// How far both sides of a pair have gone together.
+/// How far both sides of a pair may have gone together since its limit was set, by the way of each particle since the search.
 #[inline(always)]
 fn ways(of: &[f32], pair: &Pair) -> f32 {
-    let [a, b, c, d] = pair.ids.map(|id| of[id as usize]);
+    let [a, b, c, d]: [f32; 4] = core::array::from_fn(|i| of[pair.ids[i] as usize] - pair.path[i]);
     match pair.kind {
         Kind::VertexTriangle => a + b.max(c).max(d),
         Kind::EdgeEdge => a.max(b) + c.max(d),
     }
 }
 
-impl SelfContacts {
+impl State {
     /// Keeps the pairs apart in one substep.
-    pub(super) fn respond(
-        &mut self,
-        topology: &Topology,
-        particles: &mut Particles,
-        contacts: &Contacts,
-        sub: &Substep,
-    ) {
+    pub(super) fn respond(&mut self, topology: &Topology, particles: &mut Particles, solids: &[Solids], sub: &Substep) {
         let h = sub.h;
-        let made_up = 1.0 - (-self.settings.rate * h).exp();
-        let law = Law { friction: self.settings.friction, made_up, h };
-        let slack = 0.02 * self.settings.distance;
+        self.surfaces.begin(h);
+        let slack = 0.02 * self.surfaces.distance;
         self.response.reset(particles, h, slack);
-        if self.tangled() > 0 {
+        if !self.tangle.passages.is_empty() {
             tangle::untangle(&self.tangle, topology, particles, h);
             self.response.gather(particles);
         }
         let mut may_find_more = true;
         for round in 0..MOST_ROUNDS {
+            let law = Law { surfaces: &self.surfaces, h };
             let drift = Vec3A::from(self.watch.drift * h);
             may_find_more |= self.response.assume(drift, slack);
             if may_find_more {
@@ -256,7 +257,7 @@ impl SelfContacts {
             }
             self.response.scatter(particles);
             if self.watch.has_been_left(&particles.position) {
-                self.detect(topology, particles, contacts, sub, true);
+                self.detect(topology, particles, solids, sub, true);
                 may_find_more = true;
                 continue;
             }
@@ -264,6 +265,7 @@ impl SelfContacts {
                 may_find_more = true;
                 continue;
             }
+            let law = Law { surfaces: &self.surfaces, h };
             if !self.response.check(round, &law) {
                 break;
             }
@@ -293,7 +295,7 @@ impl Response {
 
     /// Ends a substep.
     fn finish(&mut self, drift: Vec3A, particles: &Particles) {
-        self.touching = self.contacts.iter().filter(|contact| contact.presses()).count() as u32;
+        self.touching = self.pressing().count() as u32;
         self.rigid += u32::from(!self.zones.is_empty());
         for slot in self.used.iter().map(|slot| *slot as usize) {
             self.path[slot] += (self.bodies.moved[slot] - drift).length();

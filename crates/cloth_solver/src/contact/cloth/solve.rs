@@ -9,6 +9,7 @@ use glam::Vec3A;
 
 use super::nearest::{Kind, Nearest};
 use super::stop::Stop;
+use super::surfaces::Surfaces;
 use crate::contact::DEPENETRATION_SPEED;
 
 /// Sweeps over the velocities.
@@ -56,7 +57,7 @@ fn weighted(all: &[Vec3A], ids: &[u32; 4], weights: &[f32; 4]) -> Vec3A {
 /// Two points of cloth that press on each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
-    ids: [u32; 4],
+    pub ids: [u32; 4],
     weights: [f32; 4],
     /// From the second point to the first, of unit length.
     normal: Vec3A,
@@ -74,6 +75,7 @@ pub(super) struct Contact {
     left: f32,
     /// Distance at which the pair has to end, m; none of one that meets within the substep.
     target: f32,
+    friction: f32,
     /// Impulse along the normal so far, kg·m/s.
     push: f32,
     /// Impulse of friction so far, kg·m/s.
@@ -82,10 +84,9 @@ pub(super) struct Contact {
 
 /// What is the same for all contacts of a substep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Law {
-    pub friction: f32,
-    /// The part of what is missing to the distance kept that is made up in this substep.
-    pub made_up: f32,
+pub(super) struct Law<'a> {
+    pub surfaces: &'a Surfaces,
+    /// Length of the substep, s.
     pub h: f32,
 }
 
@@ -122,7 +123,8 @@ impl Contact {
             .sum();
         let left = (1.0 - t) * law.h;
         let missing = (keep - distance).max(0.0);
-        let made_up = (law.made_up * missing).min(DEPENETRATION_SPEED * law.h);
+        let between = law.surfaces.between(ids[0], ids[3]);
+        let made_up = (between.made_up * missing).min(DEPENETRATION_SPEED * law.h);
         Some(Self {
             ids,
             weights,
@@ -134,6 +136,7 @@ impl Contact {
             allowed: if t > 0.0 { 0.0 } else { (distance - keep).max(0.0) / law.h },
             left,
             target: if t > 0.0 { f32::NEG_INFINITY } else { keep.min(distance) + made_up },
+            friction: between.friction,
             push: 0.0,
             rub: Vec3A::ZERO,
         })
@@ -145,7 +148,7 @@ impl Contact {
     }
 
     #[inline(always)]
-    fn solve_velocity(&mut self, bodies: &mut Bodies, friction: f32) {
+    fn solve_velocity(&mut self, bodies: &mut Bodies) {
         let relative = weighted(&bodies.velocity, &self.ids, &self.weights);
         let along = relative.dot(self.normal);
         let push = (self.push - (along + self.allowed) * self.pushed_mass).max(0.0);
@@ -158,7 +161,7 @@ impl Contact {
         for i in 0..4 {
             sliding += self.levers[i] * bodies.velocity[self.ids[i] as usize].dot(self.normal);
         }
-        let rub = (self.rub - sliding * self.mass).clamp_length_max(friction * push);
+        let rub = (self.rub - sliding * self.mass).clamp_length_max(self.friction * push);
         let rubbed = rub - self.rub;
         (self.push, self.rub) = (push, rub);
         for i in 0..4 {
@@ -217,9 +220,9 @@ fn levers(kind: Kind, points: &[Vec3A; 4], weights: &[f32; 4], between: Vec3A) -
 pub(super) fn solve(bodies: &mut Bodies, contacts: &mut [Contact], stops: &[Stop], law: &Law) {
     for sweep in 0..SWEEPS {
         if sweep % 2 == 0 {
-            contacts.iter_mut().for_each(|contact| contact.solve_velocity(bodies, law.friction));
+            contacts.iter_mut().for_each(|contact| contact.solve_velocity(bodies));
         } else {
-            contacts.iter_mut().rev().for_each(|contact| contact.solve_velocity(bodies, law.friction));
+            contacts.iter_mut().rev().for_each(|contact| contact.solve_velocity(bodies));
         }
         for stop in stops {
             let id = stop.particle as usize;

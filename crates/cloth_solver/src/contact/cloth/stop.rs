@@ -2,8 +2,9 @@
 
 use glam::Vec3A;
 
-use super::Contacts;
+use super::state::Solids;
 use crate::Particles;
+use crate::contact::Contacts;
 use crate::tick::Substep;
 
 /// A particle near a collider, and the plane it stays above.
@@ -18,9 +19,17 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// Of the particles in `slots` that a collider may stop before the tick is over. `sub` is the substep at hand.
-    pub fn find(all: &mut Vec<Self>, slots: &[u32], particles: &Particles, contacts: &Contacts, sub: &Substep) {
+    /// Of the particles in `slots`, in ascending order, that a collider may stop before the tick is over. `sub` is the substep at hand.
+    pub fn find(all: &mut Vec<Self>, slots: &[u32], particles: &Particles, solids: &[Solids], sub: &Substep) {
         all.clear();
+        for cloth in solids {
+            let [first, end] =
+                [cloth.slots.start, cloth.slots.end].map(|end| slots.partition_point(|slot| *slot < end));
+            Self::find_of(all, &slots[first..end], particles, cloth.contacts, sub);
+        }
+    }
+
+    fn find_of(all: &mut Vec<Self>, slots: &[u32], particles: &Particles, contacts: &Contacts, sub: &Substep) {
         let tick = sub.h / (sub.end - sub.start);
         for collider in &contacts.colliders {
             let pose = collider.motion.at(sub.end);

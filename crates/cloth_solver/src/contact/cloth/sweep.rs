@@ -46,6 +46,7 @@ pub(super) fn first_meeting(kind: Kind, from: &[Vec3A; 4], moved: &[Vec3A; 4], l
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     #[test]
     fn a_vertex_that_falls_through_a_triangle_meets_it_half_way() {
@@ -62,7 +63,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
         #[test]
         fn no_meeting_is_missed(from in [point(), point(), point(), point()], moved in [point(), point(), point(), point()]) {

@@ -152,7 +152,7 @@ impl Listed {
         if FIRST && let Some(bend) = stiffness.bend(simd, splat(simd, 1.0)) {
             lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
         }
-        let (compliance, found) = (splat(simd, stiffness.stretch), &mut self.found);
+        let (compliance, found) = ((splat(simd, stiffness.stretch), stiffness.how), &mut self.found);
         let met = lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
         self.scatter(simd, work, particles);
         met

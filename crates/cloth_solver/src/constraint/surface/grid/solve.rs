@@ -22,7 +22,7 @@ impl GridConstraints {
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
         self.push_cells(simd, particles, sub);
-        let stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
+        let mut stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
         let rows = self.solve_rows::<S, true>(simd, particles, stiffness[0]);
         let columns = self.solve_columns::<S, true>(simd, particles, stiffness[1]);
         let loads = [rows, columns].map(|met| met.load.reduce_max());
@@ -41,13 +41,12 @@ impl GridConstraints {
         }
         let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
         self.passes.begin(sub, met.change.reduce_max());
-        let (mut done, mut left) = (1, 0.0);
-        while self.passes.is_due(done, left) {
+        while self.passes.is_due() {
+            stiffness.each_mut().map(|stiffness| stiffness.how = self.passes.how(sub));
             let rows = self.solve_rows::<S, false>(simd, particles, stiffness[0]);
             met = rows.and(self.solve_columns::<S, false>(simd, particles, stiffness[1]));
             // What this pass over the rows moved is what the columns before had left.
-            left = rows.left.reduce_max();
-            done += 1;
+            self.passes.done(rows.left.reduce_max(), met.shift.reduce_max());
         }
         Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt(), turned }
     }
@@ -188,7 +187,7 @@ impl On<'_> {
         work: &mut lines::Elimination,
     ) -> Met<S> {
         let Self { block, position, moved, inverse_mass } = self;
-        let compliance = splat(simd, stiffness.stretch) / width;
+        let compliance = (splat(simd, stiffness.stretch) / width, stiffness.how);
         match worn {
             None => {
                 if FIRST && let Some(bend) = stiffness.bend(simd, width) {

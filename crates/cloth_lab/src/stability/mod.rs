@@ -2,6 +2,7 @@
 //! random cloths come to rest.
 
 mod maps;
+pub mod monkey;
 pub mod random;
 mod trial;
 mod verdict;
@@ -38,7 +39,16 @@ pub struct Args {
     /// In place of the maps: plays this many random cloths and tells which of them come to rest.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub random: Option<u32>,
-    /// Seed of the first random cloth; the others have those after it.
+    /// In place of the maps: lets a monkey loose on cloths of 600 ticks each, for so many ticks in all.
+    #[arg(long, value_name = "TICKS", conflicts_with = "random", value_parser = clap::value_parser!(u32).range(1..))]
+    pub monkey: Option<u32>,
+    /// In place of the maps: plays a plan of the monkey that was written to this file.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "monkey"])]
+    pub replay: Option<std::path::PathBuf>,
+    /// What the monkey has at hand, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', value_parser = tool, value_name = "LIST")]
+    pub tools: Vec<monkey::Tool>,
+    /// Seed of the first random cloth, or of the monkey's first; the others have those after it.
     #[arg(long, default_value_t = 1, value_name = "S")]
     pub seed: u64,
 }
@@ -49,6 +59,13 @@ fn kind(name: &str) -> Result<Kind, String> {
         .into_iter()
         .find(|kind| kind.file() == name)
         .ok_or_else(|| format!("no such map; there are {}", Kind::ALL.map(Kind::file).join(", ")))
+}
+
+/// The monkey's tool of that name.
+fn tool(name: &str) -> Result<monkey::Tool, String> {
+    let all = monkey::Tool::ALL;
+    let found = all.into_iter().find(|tool| tool.name() == name);
+    found.ok_or_else(|| format!("no such tool; there are {}", all.map(monkey::Tool::name).join(", ")))
 }
 
 /// A method with a limit, just below it and just above.
@@ -91,6 +108,13 @@ pub fn checks(methods: &[Method]) -> Vec<Check> {
 pub fn run(args: &Args) -> Result<(), LabError> {
     if let Some(count) = args.random {
         return random::run(count, args.seed, &args.output);
+    }
+    if let Some(path) = &args.replay {
+        return monkey::replay(path);
+    }
+    if let Some(ticks) = args.monkey {
+        let tools = if args.tools.is_empty() { monkey::Tool::ALL.to_vec() } else { args.tools.clone() };
+        return monkey::run(ticks, args.seed, &tools, &args.output);
     }
     let methods = chart::methods(&args.methods);
     let wall = if args.quick { 0.04 } else { 0.6 };

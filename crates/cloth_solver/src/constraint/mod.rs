@@ -144,7 +144,6 @@ impl Constraints {
     pub(crate) fn follow(&mut self, now: &Topology, change: &Change) {
         self.pins.pins.retain(|pin| !change.gone.contains(&pin.particle));
         self.grabs.clear();
-        self.worn = None;
         let pieces = now.pieces();
         self.pieces = (pieces.triangles.len() > 1).then_some(pieces);
         match &mut self.surface {
@@ -158,20 +157,20 @@ impl Constraints {
         if let Some(tethers) = &mut self.tethers {
             tethers.follow(now);
         }
+        if let Some(worn) = &mut self.worn {
+            worn.follow(change);
+            self.surface.wear(Some(worn.wear()));
+        }
     }
 
-    /// Takes over how worn the fabric is around each particle; `None` makes it as good as new. To be told again once the
-    /// cloth was taken apart. A mesh that is no grid stays as stiff against bending as it was.
+    /// Takes over how worn the fabric is around each particle; `None` makes it as good as new. What is born when the cloth is
+    /// taken apart is as worn as its parents. A mesh that is no grid stays as stiff against bending as it was.
     pub fn wear(&mut self, wear: Option<Wear<'_>>) {
         match wear {
             Some(wear) => self.worn.get_or_insert_default().update(wear),
             None => self.worn = None,
         }
-        match &mut self.surface {
-            Surface::Grid(grid) => grid.wear(wear),
-            Surface::Mesh(mesh) => mesh.wear(wear),
-            Surface::Empty => {}
-        }
+        self.surface.wear(wear);
     }
 
     /// Number of constraints solved in a substep: one per stretched edge or triangle, bend, shear, twist, hinge and tether.

@@ -3,7 +3,7 @@
 use super::kernel::links::{Block, GONE, New, Worn};
 use crate::Grid;
 use crate::lanes::LANES;
-use crate::topology::Along;
+use crate::topology::{Along, Change};
 
 /// What wear does to the particles of a cloth, one number per slot.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ impl Condition for Wear<'_> {
     }
 }
 
-/// The wear of a cloth, kept for methods that step forces.
+/// The wear of a cloth, kept for methods that step forces and for constraints that are rebuilt.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
     stiffness: Vec<f32>,
@@ -66,6 +66,16 @@ impl Kept {
         for (kept, told) in [(&mut self.stiffness, wear.stiffness), (&mut self.rest, wear.rest)] {
             kept.clear();
             kept.extend_from_slice(told);
+        }
+    }
+
+    /// Takes over that the cloth was taken apart: what is born is as worn as its parents.
+    pub fn follow(&mut self, change: &Change) {
+        for kept in [&mut self.stiffness, &mut self.rest] {
+            kept.resize(change.slots, 1.0);
+            for born in &change.born {
+                kept[born.slot as usize] = born.blend(|slot| kept[slot]);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use cloth_solver::forces::Air;
 use cloth_solver::{Cloth, ClothError, Fabric, Method, Motion, Pose};
 use glam::{Quat, UVec2, Vec2, Vec3};
 
+use super::Random;
 use crate::validate::hang::level;
 use crate::validate::rig;
 
@@ -79,7 +80,7 @@ impl Sample {
     /// The cloth of that seed; those of odd seeds are irregular meshes. Columns, rows, width and ratio of a cell's sides are
     /// even in their logarithm, drawn again until all is within its range.
     pub fn new(seed: u64) -> Self {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let (preset, fabric) = Fabric::PRESETS[random.below(Fabric::PRESETS.len())];
         let held = Held::ALL[random.below(Held::ALL.len())];
         let bulge = [0; 2].map(|_| TAU * random.part() as f32);
@@ -142,29 +143,6 @@ impl Sample {
         }
         cloth.air = Some(Air::default());
         Ok(cloth)
-    }
-}
-
-/// Numbers by lot, the same from the same seed: SplitMix64 (Steele, Lea & Flood 2014).
-struct Random(u64);
-
-impl Random {
-    /// 0 to 1.
-    fn part(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// 0 to `count`, without that.
-    fn below(&mut self, count: usize) -> usize {
-        (self.part() * count as f64) as usize
-    }
-
-    /// From `low` to `high`, even in the logarithm.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.part())
     }
 }
 

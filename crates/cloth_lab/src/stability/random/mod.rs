@@ -1,6 +1,7 @@
 //! Random cloths: which of them come to rest.
 
 mod cloth;
+mod numbers;
 mod write;
 
 use std::sync::Mutex;
@@ -15,6 +16,7 @@ use crate::validate::rig::GRAVITY;
 use crate::{LabError, progress};
 
 pub use cloth::{Held, MOST_CELLS, Sample};
+pub use numbers::Random;
 
 /// How long each is watched, s.
 const SECONDS: f32 = 20.0;

@@ -23,6 +23,9 @@ use crate::lanes::{LANES, Vec3x8, load, select, splat, store, transpose};
 /// T h²/(m l) up to which the waves across a line are left as they are; beyond, they are slowed: see [`filter`].
 pub(crate) const UNFILTERED_LOAD: f32 = 0.15;
 
+/// What is filtered stays as it is down to that part of what is beyond.
+const STEADY: f32 = 0.8;
+
 /// How strongly what is beyond is filtered: the waves of both directions together stay below the limit, `2 (4 E + 1/θ) < 4`.
 const FILTER: f32 = 0.8;
 
@@ -64,6 +67,8 @@ pub(crate) struct Links8 {
     inverse: Vec<f32>,
     /// How long a link is to be along its pull, m.
     target: Vec<f32>,
+    /// See [`filter`]: what of the tension per length is filtered, N/m.
+    excess: Vec<f32>,
     /// Working memory.
     right: Vec<f32>,
     /// The multipliers of the substep so far, N·s².
@@ -79,6 +84,7 @@ impl Links8 {
             off: numbers(),
             inverse: numbers(),
             target: numbers(),
+            excess: numbers(),
             right: numbers(),
             lambda: numbers(),
         }
@@ -275,6 +281,9 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
 /// has g = 4 T h²/(m l). So filtered, no load makes it unstable, and what is even along the line is left as it is. φ follows from d by
 /// a symmetric matrix without directions: the whole gets no angular momentum. Where tension ends at once, as beside a weight, the
 /// links carry less along themselves, too: what is taken off their multipliers, and later passes find it anew.
+///
+/// e stays as it is while the tension changes little: a stiffness that follows every tension takes part in the motion, and adds to it.
+/// `square` is [`crate::Substep::square`].
 #[inline(always)]
 pub(crate) fn filter<S: Simd>(
     simd: S,
@@ -284,9 +293,11 @@ pub(crate) fn filter<S: Simd>(
     inverse_mass: &[f32],
     of: &mut Links8,
     work: &mut Elimination,
+    square: f32,
 ) {
     let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
     let (theta, unfiltered) = (splat(simd, FILTER), splat(simd, UNFILTERED_LOAD));
+    let (steady, square) = (splat(simd, STEADY), splat(simd, square));
     let none = Vec3x8 { x: zero, y: zero, z: zero };
     let (mut x, mut w) = (Vec3x8::load(simd, position, block.at(0)), load(simd, inverse_mass, block.at(0)));
     let (mut last, mut last_upper) = (none, zero);
@@ -296,7 +307,10 @@ pub(crate) fn filter<S: Simd>(
         let length = (x_next - x).length();
         let d = Vec3x8::load(simd, &of.pull, block.link(k)) * length;
         let tension = -load(simd, &of.lambda, block.link(k)) / length.max(tiny);
-        let excess = (tension - unfiltered / w.max(w_next).max(tiny)).max(zero);
+        let most = (tension - unfiltered / w.max(w_next).max(tiny)).max(zero);
+        let link = block.link(k);
+        let excess = (load(simd, &of.excess, link) * square).max(most * steady).min(most);
+        store(excess / square, &mut of.excess, link);
         let stiff = theta * excess;
         let inverse = one / (one + stiff * (w + w_next) - stiff * w * last_upper);
         last = (d * excess + last * (stiff * w)) * inverse;

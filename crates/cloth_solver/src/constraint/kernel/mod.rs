@@ -11,3 +11,4 @@ pub(in crate::constraint) mod shear;
 pub(in crate::constraint) mod strips;
 pub(in crate::constraint) mod sweep;
 pub(in crate::constraint) mod triangles;
+pub(in crate::constraint) mod waves;

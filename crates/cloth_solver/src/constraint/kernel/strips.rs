@@ -12,6 +12,7 @@ use fearless_simd::{Simd, f32x8};
 use crate::batch::{Packed, gather4, pack, scatter4, unpack};
 use crate::constraint::kernel::lines::{How, Met, target};
 use crate::constraint::kernel::links::GONE;
+use crate::constraint::kernel::waves::Waves;
 use crate::constraint::tension::Tensions;
 use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, load, select, splat, store};
@@ -19,7 +20,7 @@ use crate::topology::{Along, strips};
 use crate::{Fabric, Particles, Soa3, Topology};
 
 /// How many triangles apart in a strip two triangles with a common particle may be.
-const REACH: usize = 5;
+pub(super) const REACH: usize = 5;
 
 /// Least part of a pivot that elimination may leave: what is less is rounding. Between pinned particles the constraints of very
 /// stiff fabric depend on one another.
@@ -35,12 +36,12 @@ type Lanes = [f32; LANES];
 
 /// A triangle of each of eight strips.
 #[derive(Clone, Debug)]
-struct Link {
-    corners: [[u32; LANES]; 3],
+pub(super) struct Link {
+    pub corners: [[u32; LANES]; 3],
     /// Of f, by corner, 1/m.
-    coefficient: [Lanes; 3],
+    pub coefficient: [Lanes; 3],
     /// `[j]`: by corner, its coefficient times that which the same particle has in the link `j + 1` before; 0 if it has none.
-    coupling: [[Lanes; 3]; REACH],
+    pub coupling: [[Lanes; 3]; REACH],
     /// 1/(Y A) of the part of the triangle's area A that is this strip's, 1/J.
     compliance: Lanes,
     /// As worn: factors on compliance and rest length.
@@ -229,7 +230,7 @@ impl Eight {
         packs: &mut Packs,
         (square, how): (f32, How),
     ) -> Met<S> {
-        let Packs { position, moved } = packs;
+        let Packs { position, moved, .. } = packs;
         let Self { links, work, lambda: multipliers, .. } = self;
         let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
         let per_step = splat(simd, 1.0 / square);
@@ -342,13 +343,30 @@ pub(in crate::constraint) struct Packs {
     position: Vec<Packed>,
     /// Moves and inverse masses.
     moved: Vec<Packed>,
+    waves: Waves,
 }
 
 impl Packs {
     /// For that many slots.
     pub fn new(slots: usize) -> Self {
         let [position, moved] = [(); 2].map(|()| vec![[0.0; 4]; slots]);
-        Self { position, moved }
+        Self { position, moved, waves: Waves::default() }
+    }
+
+    /// Makes room for [`Self::slow_waves`].
+    pub fn fit(&mut self, all: &[Strips]) {
+        let strips = all.iter().flat_map(|strips| &strips.eights);
+        self.waves = Waves::new(strips.map(|eight| eight.links.len()).max().unwrap_or_default());
+    }
+
+    /// Slows the waves across every strip of `all` after its first pass: see [`super::waves`].
+    #[inline(always)]
+    pub fn slow_waves<S: Simd>(&mut self, simd: S, all: &mut [Strips]) {
+        let Self { position, moved, waves } = self;
+        for eight in all.iter_mut().flat_map(|strips| &mut strips.eights) {
+            let Eight { links, work, lambda, .. } = eight;
+            waves.slow(simd, links, &work.pull, lambda, [position, moved]);
+        }
     }
 
     /// Takes the particles over.

@@ -20,6 +20,10 @@ use crate::{Fabric, Particles, Topology};
 /// The largest T h²/(m l) up to which waves across strips are stable as they are.
 const LARGEST_LOAD: f32 = 0.3;
 
+/// What is beyond is more than the most substeps resolve: then waves are slowed. A little more than [`LARGEST_LOAD`], as a substep is
+/// accepted that is a little too long.
+const UNSTABLE_LOAD: f32 = 1.35 * LARGEST_LOAD;
+
 /// What keeps a mesh of fabric together.
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct MeshConstraints {
@@ -76,6 +80,7 @@ impl MeshConstraints {
         if (method == Method::XpbdLines) != self.strips.is_some() {
             let strips = |along| Strips::new(topology, along, &self.fabric);
             self.strips = (method == Method::XpbdLines).then(|| Box::new([Along::Weft, Along::Warp].map(strips)));
+            self.packs.fit(self.strips.as_ref().map_or(&[], |strips| strips.as_slice()));
             self.shear = self.strips.as_ref().and_then(|_| MeshShear::new(topology, fabric).map(Box::new));
         }
     }
@@ -141,6 +146,9 @@ impl MeshConstraints {
         self.packs.take(particles);
         let mut met = self.packs.solve::<S, true>(simd, &mut **strips, (sub.square(), Passes::first(sub)));
         let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
+        if load > UNSTABLE_LOAD {
+            self.packs.slow_waves(simd, &mut **strips);
+        }
         self.passes.begin(sub, met.change.reduce_max());
         while self.passes.is_due() {
             met = self.packs.solve::<S, false>(simd, &mut **strips, (sub.square(), self.passes.how(sub)));

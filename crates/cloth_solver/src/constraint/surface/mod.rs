@@ -8,6 +8,7 @@ pub(in crate::constraint) mod nudge;
 mod passes;
 mod patch;
 
+use crate::constraint::wear::Wear;
 use grid::GridConstraints;
 use mesh::MeshConstraints;
 
@@ -18,4 +19,15 @@ pub(in crate::constraint) enum Surface {
     Empty,
     Grid(Box<GridConstraints>),
     Mesh(Box<MeshConstraints>),
+}
+
+impl Surface {
+    /// Takes over how worn the fabric is; `None` makes it as good as new.
+    pub fn wear(&mut self, wear: Option<Wear<'_>>) {
+        match self {
+            Self::Grid(grid) => grid.wear(wear),
+            Self::Mesh(mesh) => mesh.wear(wear),
+            Self::Empty => {}
+        }
+    }
 }

@@ -13,7 +13,10 @@ impl Fire {
             let now = 1.0 - state.mass_factor[slot];
             let before = particles.mass[slot];
             if *taken != now && before > 0.0 {
-                let mass = before - self.areal_density * topology.area[slot] * (now - *taken);
+                // What a cut leaves of a half-burnt triangle is shared by area: a particle may have less fabric than its own fire
+                // says. It burns as far, and no more of it than there is.
+                let fabric = before.min(self.areal_density * topology.area[slot] * (1.0 - *taken));
+                let mass = before - fabric * (now - *taken) / (1.0 - *taken);
                 particles.mass[slot] = mass;
                 if particles.inverse_mass[slot] > 0.0 {
                     particles.inverse_mass[slot] = 1.0 / mass;

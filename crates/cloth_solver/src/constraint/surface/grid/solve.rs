@@ -34,15 +34,17 @@ impl GridConstraints {
         };
         let mean_load = mean(rows, links[0]).max(mean(columns, links[1]));
         if loads[0] > lines::UNFILTERED_LOAD {
-            self.filter_rows(simd, particles);
+            self.filter_rows(simd, particles, sub.square());
         }
         if loads[1] > lines::UNFILTERED_LOAD {
-            self.filter_columns(simd, particles);
+            self.filter_columns(simd, particles, sub.square());
         }
         let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
         self.passes.begin(sub, met.change.reduce_max());
         while self.passes.is_due() {
-            stiffness.each_mut().map(|stiffness| stiffness.how = self.passes.how(sub));
+            for stiffness in &mut stiffness {
+                stiffness.how = self.passes.how(sub);
+            }
             let rows = self.solve_rows::<S, false>(simd, particles, stiffness[0]);
             met = rows.and(self.solve_columns::<S, false>(simd, particles, stiffness[1]));
             // What this pass over the rows moved is what the columns before had left.
@@ -138,31 +140,40 @@ impl GridConstraints {
     }
 
     #[inline(always)]
-    fn filter_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+    fn filter_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, square: f32) {
         let rows = self.row_lanes();
         for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
             let block = row_block(&self.grid, first);
             let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
             gather(simd, &particles.moved, moved, block.base, rows, first);
-            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination);
+            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination, square);
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
         if let Some(patch) = &mut self.patch {
-            patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work);
+            patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work, square);
         }
     }
 
     #[inline(always)]
-    fn filter_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+    fn filter_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, square: f32) {
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             if is_block(&self.patch, Along::Warp, base) {
                 let Particles { position, moved, inverse_mass, .. } = &mut *particles;
                 let block = column_block(&self.grid, base);
-                lines::filter(simd, block, position, moved, inverse_mass, &mut self.warp, &mut self.rows.elimination);
+                lines::filter(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_mass,
+                    &mut self.warp,
+                    &mut self.rows.elimination,
+                    square,
+                );
             }
         }
         if let Some(patch) = &mut self.patch {
-            patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work);
+            patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work, square);
         }
     }
 }

@@ -126,7 +126,7 @@ pub struct Pace {
 const MEAN_LOAD: f32 = 0.4;
 
 /// [`Effort::motion`] up to which links keep pulling along the direction that they had when the substep began.
-const MOTION: f32 = 0.4;
+const MOTION: f32 = 0.35;
 
 /// How far beyond what it may be a substep is accepted.
 const TOLERANCE: f32 = 1.3;

@@ -52,7 +52,7 @@ impl How {
 
 /// Later passes go so much further than to their own solution: rows and columns are two blocks that take turns, for which
 /// over-relaxation is known to converge faster (Young 1954).
-const OVER_RELAXATION: f32 = 1.5;
+const OVER_RELAXATION: f32 = 1.2;
 
 /// α̃, 1/kg, of what is no link: torn or burnt through.
 const NO_LINK: f32 = 1e20;

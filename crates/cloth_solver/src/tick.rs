@@ -39,7 +39,8 @@ impl Tick {
     pub fn first(&self) -> Substep {
         let count = self.range()[0];
         let h = self.dt / count;
-        Substep { h, kick: h, longest: h, start: 0.0, end: 1.0 / count, iterations: self.iterations.max(1) }
+        let iterations = self.iterations.max(1);
+        Substep { h, kick: h, longest: h, start: 0.0, end: 1.0 / count, implicit: false, iterations }
     }
 
     /// The least and the largest number of substeps.
@@ -64,6 +65,9 @@ pub struct Substep {
     pub start: f32,
     /// Where in the tick it ends, 0..=1; exactly 1 in the last.
     pub end: f32,
+    /// Whether the cloth moves more than even the most substeps resolve. Then links pull along the directions that they are about to
+    /// have, which is stable whatever the motion and takes energy from it.
+    pub implicit: bool,
     /// Iterations, at least 1.
     pub iterations: u32,
 }
@@ -94,7 +98,7 @@ pub struct Effort {
     pub mean_load: f32,
     /// The largest change of a link (stretch and turn) in rest lengths.
     pub motion: f32,
-    /// Whether a link turned by 37° and more: pulls along such links are the only ones that have a moment.
+    /// Whether a link turned by 60° and more: pulls along such links are the only ones that have a moment.
     pub turned: bool,
 }
 
@@ -114,13 +118,15 @@ pub struct Pace {
     due: f32,
     /// Length of the last substep that was accepted, s; 0 before the first.
     last: f32,
+    /// See [`Substep::implicit`].
+    implicit: bool,
 }
 
 /// [`Effort::mean_load`] up to which waves across taut cloth are right within 2 %.
 const MEAN_LOAD: f32 = 0.4;
 
 /// [`Effort::motion`] up to which links keep pulling along the direction that they had when the substep began.
-const MOTION: f32 = 0.25;
+const MOTION: f32 = 0.35;
 
 /// How far beyond what it may be a substep is accepted.
 const TOLERANCE: f32 = 1.3;
@@ -174,7 +180,8 @@ impl Pace {
         // Not the shortest that this tick takes: a change of stiffness adds energy or takes some.
         let longest = (tick.dt / floor).max(h);
         let kick = 0.5 * (h + self.last);
-        Some(Substep { h, kick, longest: longest.max(h), start: self.at, end, iterations: tick.iterations.max(1) })
+        let (longest, iterations) = (longest.max(h), tick.iterations.max(1));
+        Some(Substep { h, kick, longest, start: self.at, end, implicit: self.implicit, iterations })
     }
 
     /// Takes note of what `sub` was like. `false` if it has to be repeated, being too long.
@@ -188,6 +195,11 @@ impl Pace {
             self.asked = 1.1 * asked;
             return false;
         }
+        if !sub.implicit && effort.motion > TOLERANCE * MOTION {
+            self.implicit = true;
+            return false;
+        }
+        self.implicit &= effort.motion > CALM * MOTION;
         self.asked = asked.max(FADE * self.asked);
         (self.at, self.last) = (sub.end, sub.h);
         self.shorter = self.shorter.max(1.0);

@@ -23,15 +23,36 @@ use crate::lanes::{LANES, Vec3x8, load, select, splat, store, transpose};
 /// T h²/(m l) up to which the waves across a line are left as they are; beyond, they are slowed: see [`filter`].
 pub(crate) const UNFILTERED_LOAD: f32 = 0.15;
 
+/// What is filtered stays as it is down to that part of what is beyond.
+const STEADY: f32 = 0.8;
+
 /// How strongly what is beyond is filtered: the waves of both directions together stay below the limit, `2 (4 E + 1/θ) < 4`.
 const FILTER: f32 = 0.8;
 
 /// Cosine of the turn within a substep from which on a link is pulled along the direction that it is predicted to have: see
-/// [`stretch`]. It takes more motion than the most substeps resolve.
-///
-/// Where a row and a column turn together by φ, each pass along where they pointed when the substep began leaves tan² φ of what it
-/// found: from 45° on passes diverge, and what they add is speed. This is 37°, with room for cells that are sheared.
-pub(in crate::constraint) const TURNED: f32 = 0.8;
+/// [`stretch`].
+pub(in crate::constraint) const TURNED: f32 = 0.5;
+
+/// How a pass takes links.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::constraint) struct How {
+    /// See [`crate::Substep::implicit`].
+    pub implicit: bool,
+    /// Whether a later pass finds anew how long links are to be along their pulls. Without, what is left is a symmetric linear system,
+    /// over which passes always converge; with it they may diverge in cloth that is near to jammed.
+    pub by_length: bool,
+}
+
+impl How {
+    /// The cosine up to which links keep the direction that they had.
+    pub const fn turned(self) -> f32 {
+        if self.implicit { 2.0 } else { TURNED }
+    }
+}
+
+/// Later passes go so much further than to their own solution: rows and columns are two blocks that take turns, for which
+/// over-relaxation is known to converge faster (Young 1954).
+const OVER_RELAXATION: f32 = 1.2;
 
 /// α̃, 1/kg, of what is no link: torn or burnt through.
 const NO_LINK: f32 = 1e20;
@@ -44,6 +65,10 @@ pub(crate) struct Links8 {
     /// Off the diagonal, and 1/pivot.
     off: Vec<f32>,
     inverse: Vec<f32>,
+    /// How long a link is to be along its pull, m.
+    target: Vec<f32>,
+    /// See [`filter`]: what of the tension per length is filtered, N/m.
+    excess: Vec<f32>,
     /// Working memory.
     right: Vec<f32>,
     /// The multipliers of the substep so far, N·s².
@@ -54,7 +79,15 @@ impl Links8 {
     /// For `len` links, lanes counted.
     pub fn new(len: usize) -> Self {
         let numbers = || vec![0.0; len];
-        Self { pull: Soa3::zeros(len), off: numbers(), inverse: numbers(), right: numbers(), lambda: numbers() }
+        Self {
+            pull: Soa3::zeros(len),
+            off: numbers(),
+            inverse: numbers(),
+            target: numbers(),
+            excess: numbers(),
+            right: numbers(),
+            lambda: numbers(),
+        }
     }
 }
 
@@ -82,17 +115,19 @@ pub(crate) struct Met<S: Simd> {
     pub loads: f32x8<S>,
     /// The largest square of the change of a link within the substep, before this pass, in rest lengths.
     pub change: f32x8<S>,
-    /// 1 if a link turned by 37° and more, else 0; found by the first pass.
+    /// 1 if a link turned by 60° and more, else 0; found by the first pass.
     pub turned: f32x8<S>,
     /// The furthest that this pass moved a particle by a link, in rest lengths; 0 in the first pass.
     pub left: f32x8<S>,
+    /// The largest change of what a link is to be long along its pull since the pass before, in rest lengths.
+    pub shift: f32x8<S>,
 }
 
 impl<S: Simd> Met<S> {
     #[inline(always)]
     pub fn nothing(simd: S) -> Self {
         let zero = splat(simd, 0.0);
-        Self { load: zero, loads: zero, change: zero, turned: zero, left: zero }
+        Self { load: zero, loads: zero, change: zero, turned: zero, left: zero, shift: zero }
     }
 
     #[inline(always)]
@@ -103,8 +138,22 @@ impl<S: Simd> Met<S> {
             change: self.change.max(other.change),
             turned: self.turned.max(other.turned),
             left: self.left.max(other.left),
+            shift: self.shift.max(other.shift),
         }
     }
+}
+
+/// How long link `d`, `along` of it along its `pull`, is to be along that, so that its length is `rest`: exact if it is moved along its pull.
+#[inline(always)]
+pub(in crate::constraint) fn target<S: Simd>(
+    simd: S,
+    d: Vec3x8<S>,
+    pull: Vec3x8<S>,
+    along: f32x8<S>,
+    rest: f32x8<S>,
+) -> f32x8<S> {
+    let aside = d - pull * along;
+    (rest * rest - aside.dot(aside)).max(splat(simd, 0.0)).sqrt()
 }
 
 /// Solves the stretch constraints `|x_{k+1} − x_k| = spacing` of each run together: one Newton step of the XPBD
@@ -125,7 +174,7 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
     position: &Soa3,
     moved: &mut Soa3,
     inverse_mass: &[f32],
-    compliance: f32x8<S>,
+    (compliance, how): (f32x8<S>, How),
     links: impl Links,
     of: &mut Links8,
 ) -> Met<S> {
@@ -145,19 +194,19 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
         let (x_next, moves_next) = (Vec3x8::load(simd, position, next), Vec3x8::load(simd, moved, next));
         let (before, turn) = (x_next - x, moves_next - moves);
         let d = before + turn;
-        let length = d.length();
         let rest = links.rest(simd, k, rest);
         let compliance = links.compliance(simd, k, compliance);
         let is_there = compliance.simd_lt(splat(simd, NO_LINK));
         met.change = met.change.max(is_there.select(turn.dot(turn), zero));
         let (off, inverse, mut left) = if FIRST {
             let w_next = load(simd, inverse_mass, next);
-            // A link of no length has no direction: it gets the one that it is about to have, or none. So does what turns by 37° and
+            // A link of no length has no direction: it gets the one that it is about to have, or none. So does what turns by 60° and
             // more: a pull along where it pointed would not mend it.
-            let had = before.length();
+            let (had, length) = (before.length(), d.length());
             let normal = d * (one / length.max(tiny));
             let before = before * (one / had.max(tiny));
-            let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(splat(simd, TURNED));
+            let calm = splat(simd, how.turned());
+            let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(calm);
             let has_turned = is_there & !is_calm & (w + w_next).simd_gt(zero);
             met.turned = met.turned.max(has_turned.select(one, zero));
             let pull = select(is_calm, before, normal);
@@ -168,12 +217,21 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
             store(off, &mut of.off, link);
             store(inverse, &mut of.inverse, link);
             (last, w) = (pull, w_next);
-            (off, inverse, rest - length)
+            let along = d.dot(pull);
+            let target = target(simd, d, pull, along, rest);
+            store(target, &mut of.target, link);
+            (off, inverse, target - along)
         } else {
-            let left = rest - length - compliance * load(simd, &of.lambda, link);
-            // What turned so far since is left to the next substep: pulled on, it would fly off.
-            let turned = d.dot(Vec3x8::load(simd, &of.pull, link)).simd_lt(length * splat(simd, TURNED));
-            (load(simd, &of.off, link), load(simd, &of.inverse, link), turned.select(zero, left))
+            let pull = Vec3x8::load(simd, &of.pull, link);
+            let along = d.dot(pull);
+            if how.by_length {
+                let target = target(simd, d, pull, along, rest);
+                let shift = (target - load(simd, &of.target, link)).abs();
+                met.shift = met.shift.max(is_there.select(shift, zero));
+                store(target, &mut of.target, link);
+            }
+            let left = load(simd, &of.target, link) - compliance * load(simd, &of.lambda, link) - along;
+            (load(simd, &of.off, link), load(simd, &of.inverse, link), left)
         };
         left = (left - off * last_right) * inverse;
         store(left, &mut of.right, link);
@@ -182,13 +240,18 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
     }
 
     // Back substitution; particle k+1 is corrected once the multipliers on both its sides are known.
-    let (mut lambda_above, mut delta_above, mut off_above) = (zero, zero, zero);
+    let (mut lambda_above, mut newton_above, mut off_above) = (zero, zero, zero);
     let mut pull_above = Vec3x8 { x: zero, y: zero, z: zero };
     for k in (0..count - 1).rev() {
         let (at, link) = (block.at(k + 1), block.link(k));
         let w = load(simd, inverse_mass, at);
-        let delta = load(simd, &of.right, link) - off_above * delta_above * load(simd, &of.inverse, link);
-        let lambda = if FIRST { delta } else { load(simd, &of.lambda, link) + delta };
+        let newton = load(simd, &of.right, link) - off_above * newton_above * load(simd, &of.inverse, link);
+        let (lambda, delta) = if FIRST {
+            (newton, newton)
+        } else {
+            let delta = newton * splat(simd, OVER_RELAXATION);
+            (load(simd, &of.lambda, link) + delta, delta)
+        };
         store(lambda, &mut of.lambda, link);
         if !FIRST {
             met.left = met.left.max((delta * w).abs());
@@ -198,7 +261,7 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
         met.loads += load_ratio.max(zero);
         let pull = Vec3x8::load(simd, &of.pull, link) * delta;
         (Vec3x8::load(simd, moved, at) + (pull - pull_above) * w).store(moved, at);
-        (lambda_above, delta_above, pull_above) = (lambda, delta, pull);
+        (lambda_above, newton_above, pull_above) = (lambda, newton, pull);
         off_above = load(simd, &of.off, link);
     }
     let w = load(simd, inverse_mass, block.at(0));
@@ -207,6 +270,7 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
     met.loads *= per_spacing;
     met.change *= per_spacing * per_spacing;
     met.left *= per_spacing;
+    met.shift *= per_spacing;
     met
 }
 
@@ -217,6 +281,9 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
 /// has g = 4 T h²/(m l). So filtered, no load makes it unstable, and what is even along the line is left as it is. φ follows from d by
 /// a symmetric matrix without directions: the whole gets no angular momentum. Where tension ends at once, as beside a weight, the
 /// links carry less along themselves, too: what is taken off their multipliers, and later passes find it anew.
+///
+/// e stays as it is while the tension changes little: a stiffness that follows every tension takes part in the motion, and adds to it.
+/// `square` is [`crate::Substep::square`].
 #[inline(always)]
 pub(crate) fn filter<S: Simd>(
     simd: S,
@@ -226,9 +293,11 @@ pub(crate) fn filter<S: Simd>(
     inverse_mass: &[f32],
     of: &mut Links8,
     work: &mut Elimination,
+    square: f32,
 ) {
     let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
     let (theta, unfiltered) = (splat(simd, FILTER), splat(simd, UNFILTERED_LOAD));
+    let (steady, square) = (splat(simd, STEADY), splat(simd, square));
     let none = Vec3x8 { x: zero, y: zero, z: zero };
     let (mut x, mut w) = (Vec3x8::load(simd, position, block.at(0)), load(simd, inverse_mass, block.at(0)));
     let (mut last, mut last_upper) = (none, zero);
@@ -238,7 +307,12 @@ pub(crate) fn filter<S: Simd>(
         let length = (x_next - x).length();
         let d = Vec3x8::load(simd, &of.pull, block.link(k)) * length;
         let tension = -load(simd, &of.lambda, block.link(k)) / length.max(tiny);
-        let excess = (tension - unfiltered / w.max(w_next).max(tiny)).max(zero);
+        let most = (tension - unfiltered / w.max(w_next).max(tiny)).max(zero);
+        let link = block.link(k);
+        let (was, least) = (load(simd, &of.excess, link) * square, most * steady);
+        // What is not a number is passed over.
+        let excess = was.simd_gt(least).select(was, least).min(most);
+        store(excess / square, &mut of.excess, link);
         let stiff = theta * excess;
         let inverse = one / (one + stiff * (w + w_next) - stiff * w * last_upper);
         last = (d * excess + last * (stiff * w)) * inverse;
@@ -381,10 +455,15 @@ fn bend_filtered<S: Simd>(
 /// vector `c`, from `base` on. Rows past the last repeat it.
 #[inline(always)]
 pub(crate) fn gather_rows<S: Simd>(simd: S, from: &[f32], to: &mut [f32], base: usize, grid: Rows, first: usize) {
+    // No closures here either: see `shear::smooth`.
     for c in (0..grid.stride).step_by(LANES) {
-        let block = core::array::from_fn(|lane| load(simd, from, (first + lane).min(grid.rows - 1) * grid.stride + c));
-        for (i, column) in transpose(block).into_iter().enumerate() {
-            store(column, to, base + (c + i) * LANES);
+        let mut block = [splat(simd, 0.0); LANES];
+        for (lane, row) in block.iter_mut().enumerate() {
+            *row = load(simd, from, (first + lane).min(grid.rows - 1) * grid.stride + c);
+        }
+        let block = transpose(block);
+        for (i, column) in block.iter().enumerate() {
+            store(*column, to, base + (c + i) * LANES);
         }
     }
 }
@@ -393,9 +472,13 @@ pub(crate) fn gather_rows<S: Simd>(simd: S, from: &[f32], to: &mut [f32], base: 
 #[inline(always)]
 pub(crate) fn scatter_rows<S: Simd>(simd: S, from: &[f32], base: usize, to: &mut [f32], grid: Rows, first: usize) {
     for c in (0..grid.stride).step_by(LANES) {
-        let block = core::array::from_fn(|i| load(simd, from, base + (c + i) * LANES));
-        for (lane, row) in transpose(block).into_iter().enumerate().take(grid.rows - first) {
-            store(row, to, (first + lane) * grid.stride + c);
+        let mut block = [splat(simd, 0.0); LANES];
+        for (i, column) in block.iter_mut().enumerate() {
+            *column = load(simd, from, base + (c + i) * LANES);
+        }
+        let block = transpose(block);
+        for (lane, row) in block.iter().enumerate().take(grid.rows - first) {
+            store(*row, to, (first + lane) * grid.stride + c);
         }
     }
 }

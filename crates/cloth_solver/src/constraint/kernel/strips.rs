@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use crate::batch::{Packed, gather4, pack, scatter4, unpack};
-use crate::constraint::kernel::lines::{Met, TURNED};
+use crate::constraint::kernel::lines::{How, Met, target};
 use crate::constraint::kernel::links::GONE;
 use crate::constraint::kernel::waves::Waves;
 use crate::constraint::tension::Tensions;
@@ -91,6 +91,8 @@ struct Work {
     factor: Vec<f32>,
     /// 1/pivot.
     inverse: Vec<f32>,
+    /// See [`crate::constraint::kernel::lines::Links8`].
+    target: Vec<f32>,
     right: Vec<f32>,
     /// The multipliers of the pass.
     delta: Vec<f32>,
@@ -100,7 +102,14 @@ impl Work {
     fn new(longest: usize) -> Self {
         let numbers = || vec![0.0; (longest + 2 * REACH) * LANES];
         let factor = vec![0.0; (longest + 2 * REACH) * REACH * LANES];
-        Self { pull: Soa3::zeros(numbers().len()), factor, inverse: numbers(), right: numbers(), delta: numbers() }
+        Self {
+            pull: Soa3::zeros(numbers().len()),
+            factor,
+            inverse: numbers(),
+            target: numbers(),
+            right: numbers(),
+            delta: numbers(),
+        }
     }
 }
 
@@ -242,7 +251,7 @@ impl Eight {
         &mut self,
         simd: S,
         packs: &mut Packs,
-        square: f32,
+        (square, how): (f32, How),
     ) -> Met<S> {
         let Packs { position, moved, .. } = packs;
         let Self { links, work, lambda: multipliers, .. } = self;
@@ -262,15 +271,14 @@ impl Eight {
             let before = (x_b - x_a) * coefficient[1] + (x_c - x_a) * coefficient[2];
             let turn = (by_b - by_a) * coefficient[1] + (by_c - by_a) * coefficient[2];
             let f = before + turn;
-            let length = f.length();
             met.change = met.change.max(turn.dot(turn));
             let rest = f32x8::simd_from(simd, link.worn[1]);
             let compliance = f32x8::simd_from(simd, link.compliance) * f32x8::simd_from(simd, link.worn[0]) * per_step;
-            let mut right = rest - length;
-            if FIRST {
-                let had = before.length();
+            let mut right = if FIRST {
+                let (had, length) = (before.length(), f.length());
                 let (before, normal) = (before * (one / had.max(tiny)), f * (one / length.max(tiny)));
-                let is_calm = had.simd_gt(splat(simd, 1e-6)) & normal.dot(before).simd_gt(splat(simd, TURNED));
+                let calm = splat(simd, how.turned());
+                let is_calm = had.simd_gt(splat(simd, 1e-6)) & normal.dot(before).simd_gt(calm);
                 let pull = select(is_calm, before, normal);
                 let w = [w_a, w_b, w_c];
                 let own = link.mobility(simd, w);
@@ -295,12 +303,20 @@ impl Eight {
                 }
                 pull.store(&mut work.pull, at * LANES);
                 store(one / pivot.max(least), &mut work.inverse, at * LANES);
+                let along = f.dot(pull);
+                let target = target(simd, f, pull, along, rest);
+                store(target, &mut work.target, at * LANES);
+                target - along
             } else {
-                right -= compliance * load(simd, multipliers, k * LANES);
-            }
-            // See [`crate::constraint::kernel::lines::stretch`].
-            let turned = f.dot(Vec3x8::load(simd, &work.pull, at * LANES)).simd_lt(length * splat(simd, TURNED));
-            right = turned.select(zero, right);
+                let pull = Vec3x8::load(simd, &work.pull, at * LANES);
+                let along = f.dot(pull);
+                if how.by_length {
+                    let target = target(simd, f, pull, along, rest);
+                    met.shift = met.shift.max((target - load(simd, &work.target, at * LANES)).abs());
+                    store(target, &mut work.target, at * LANES);
+                }
+                load(simd, &work.target, at * LANES) - compliance * load(simd, multipliers, k * LANES) - along
+            };
             for j in 1..=BAND {
                 let factor = load(simd, &work.factor, (at * REACH + j - 1) * LANES);
                 right -= factor * load(simd, &work.right, (at - j) * LANES);
@@ -381,14 +397,14 @@ impl Packs {
 
     /// A pass over every strip of `all`, in a substep of that [`crate::Substep::square`].
     #[inline(always)]
-    pub fn solve<S: Simd, const FIRST: bool>(&mut self, simd: S, all: &mut [Strips], square: f32) -> Met<S> {
+    pub fn solve<S: Simd, const FIRST: bool>(&mut self, simd: S, all: &mut [Strips], how: (f32, How)) -> Met<S> {
         let mut met = Met::nothing(simd);
         for Strips { eights, .. } in all {
             for eight in eights {
                 met = met.and(if eight.band <= NARROW {
-                    eight.solve::<S, NARROW, FIRST>(simd, self, square)
+                    eight.solve::<S, NARROW, FIRST>(simd, self, how)
                 } else {
-                    eight.solve::<S, REACH, FIRST>(simd, self, square)
+                    eight.solve::<S, REACH, FIRST>(simd, self, how)
                 });
             }
         }

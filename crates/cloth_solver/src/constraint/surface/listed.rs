@@ -152,7 +152,7 @@ impl Listed {
         if FIRST && let Some(bend) = stiffness.bend(simd, splat(simd, 1.0)) {
             lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
         }
-        let (compliance, found) = (splat(simd, stiffness.stretch), &mut self.found);
+        let (compliance, found) = ((splat(simd, stiffness.stretch), stiffness.how), &mut self.found);
         let met = lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
         self.scatter(simd, work, particles);
         met
@@ -182,10 +182,10 @@ impl Listed {
 
     /// Waves across the threads slowed: see [`lines::filter`].
     #[inline(always)]
-    pub fn filter<S: Simd>(&mut self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work) {
+    pub fn filter<S: Simd>(&mut self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work, square: f32) {
         self.gather(simd, particles, work);
         let Work { position, moved, inverse_mass, elimination } = &mut *work;
-        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &mut self.found, elimination);
+        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &mut self.found, elimination, square);
         self.scatter(simd, work, particles);
     }
 }

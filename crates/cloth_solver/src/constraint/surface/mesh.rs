@@ -144,17 +144,15 @@ impl MeshConstraints {
             return Effort::default();
         };
         self.packs.take(particles);
-        let mut met = self.packs.solve::<S, true>(simd, &mut **strips, sub.square());
+        let mut met = self.packs.solve::<S, true>(simd, &mut **strips, (sub.square(), Passes::first(sub)));
         let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
         if load > UNSTABLE_LOAD {
             self.packs.slow_waves(simd, &mut **strips);
         }
         self.passes.begin(sub, met.change.reduce_max());
-        let (mut done, mut left) = (1, 0.0);
-        while self.passes.is_due(done, left) {
-            met = self.packs.solve::<S, false>(simd, &mut **strips, sub.square());
-            left = met.left.reduce_max();
-            done += 1;
+        while self.passes.is_due() {
+            met = self.packs.solve::<S, false>(simd, &mut **strips, (sub.square(), self.passes.how(sub)));
+            self.passes.done(met.left.reduce_max(), met.shift.reduce_max());
         }
         self.packs.give(particles);
         Effort { load: load / LARGEST_LOAD, mean_load: 0.0, motion: met.change.reduce_max().sqrt(), turned }

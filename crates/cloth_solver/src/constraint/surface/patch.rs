@@ -192,9 +192,17 @@ impl Patch {
 
     /// Waves across the listed threads slowed: see [`crate::constraint::kernel::lines::filter`].
     #[inline(always)]
-    pub fn filter<S: Simd>(&mut self, simd: S, along: Along, particles: &mut Particles, spacing: f32, work: &mut Work) {
+    pub fn filter<S: Simd>(
+        &mut self,
+        simd: S,
+        along: Along,
+        particles: &mut Particles,
+        spacing: f32,
+        work: &mut Work,
+        square: f32,
+    ) {
         for block in &mut self.listed_mut(along).blocks {
-            block.filter(simd, particles, spacing, work);
+            block.filter(simd, particles, spacing, work, square);
         }
     }
 }

@@ -6,7 +6,7 @@ mod sweep;
 use fearless_simd::{Simd, f32x8};
 
 use crate::constraint::kernel::cells::{CellModel, CellRows, Cells, ShearModel};
-use crate::constraint::kernel::lines::{self, Bend, Elimination, Links8, Rows};
+use crate::constraint::kernel::lines::{self, Bend, Elimination, How, Links8, Rows};
 use crate::constraint::kernel::links::{Block, Worn};
 use crate::constraint::kernel::shear::Stress;
 use crate::constraint::kernel::sweep::Compliance;
@@ -32,6 +32,7 @@ pub(in crate::constraint) struct Stiffness {
     /// See [`Bend`].
     filter: f32,
     share: f32,
+    pub how: How,
     /// Rest distance between neighbours, m.
     pub spacing: f32,
 }
@@ -318,6 +319,7 @@ impl GridConstraints {
             bend: (bending > 0.0).then(|| spacing.powi(3) / (bending * across * longest)),
             filter: if fastest > FASTEST_BENDING { 1.0 / FASTEST_BENDING - 1.0 / fastest } else { 0.0 },
             share: sub.share(),
+            how: Passes::first(sub),
             spacing,
         }
     }

@@ -22,7 +22,7 @@ impl GridConstraints {
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
         self.push_cells(simd, particles, sub);
-        let stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
+        let mut stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
         let rows = self.solve_rows::<S, true>(simd, particles, stiffness[0]);
         let columns = self.solve_columns::<S, true>(simd, particles, stiffness[1]);
         let loads = [rows, columns].map(|met| met.load.reduce_max());
@@ -34,20 +34,21 @@ impl GridConstraints {
         };
         let mean_load = mean(rows, links[0]).max(mean(columns, links[1]));
         if loads[0] > lines::UNFILTERED_LOAD {
-            self.filter_rows(simd, particles);
+            self.filter_rows(simd, particles, sub.square());
         }
         if loads[1] > lines::UNFILTERED_LOAD {
-            self.filter_columns(simd, particles);
+            self.filter_columns(simd, particles, sub.square());
         }
         let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
         self.passes.begin(sub, met.change.reduce_max());
-        let (mut done, mut left) = (1, 0.0);
-        while self.passes.is_due(done, left) {
+        while self.passes.is_due() {
+            for stiffness in &mut stiffness {
+                stiffness.how = self.passes.how(sub);
+            }
             let rows = self.solve_rows::<S, false>(simd, particles, stiffness[0]);
             met = rows.and(self.solve_columns::<S, false>(simd, particles, stiffness[1]));
             // What this pass over the rows moved is what the columns before had left.
-            left = rows.left.reduce_max();
-            done += 1;
+            self.passes.done(rows.left.reduce_max(), met.shift.reduce_max());
         }
         Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt(), turned }
     }
@@ -139,31 +140,40 @@ impl GridConstraints {
     }
 
     #[inline(always)]
-    fn filter_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+    fn filter_rows<S: Simd>(&mut self, simd: S, particles: &mut Particles, square: f32) {
         let rows = self.row_lanes();
         for first in (0..rows.rows).step_by(LANES).filter(|first| is_block(&self.patch, Along::Weft, *first)) {
             let block = row_block(&self.grid, first);
             let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
             gather(simd, &particles.moved, moved, block.base, rows, first);
-            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination);
+            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination, square);
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
         if let Some(patch) = &mut self.patch {
-            patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work);
+            patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work, square);
         }
     }
 
     #[inline(always)]
-    fn filter_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles) {
+    fn filter_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, square: f32) {
         for base in (0..self.grid.stride as usize).step_by(LANES) {
             if is_block(&self.patch, Along::Warp, base) {
                 let Particles { position, moved, inverse_mass, .. } = &mut *particles;
                 let block = column_block(&self.grid, base);
-                lines::filter(simd, block, position, moved, inverse_mass, &mut self.warp, &mut self.rows.elimination);
+                lines::filter(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_mass,
+                    &mut self.warp,
+                    &mut self.rows.elimination,
+                    square,
+                );
             }
         }
         if let Some(patch) = &mut self.patch {
-            patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work);
+            patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work, square);
         }
     }
 }
@@ -188,7 +198,7 @@ impl On<'_> {
         work: &mut lines::Elimination,
     ) -> Met<S> {
         let Self { block, position, moved, inverse_mass } = self;
-        let compliance = splat(simd, stiffness.stretch) / width;
+        let compliance = (splat(simd, stiffness.stretch) / width, stiffness.how);
         match worn {
             None => {
                 if FIRST && let Some(bend) = stiffness.bend(simd, width) {

@@ -140,7 +140,7 @@ impl Cloth {
             let effort = crate::method::solve(&mut self.particles, &mut self.constraints, &sub);
             if self.pace.accept(&tick, &sub, &effort) {
                 crate::method::accept(&mut self.particles, &mut self.constraints, &sub);
-                crate::contact::collide(&mut self.particles, &mut self.contacts, &sub);
+                crate::contact::collide(&self.topology, &mut self.particles, &mut self.contacts, &sub);
             }
         }
     }

@@ -5,6 +5,10 @@
 //! the sliding as much as the removed part allows, in position and in velocity alike, so that cloth at rest does not
 //! creep.
 
+mod features;
+mod near;
+mod nearest;
+mod patch;
 mod respond;
 mod shape;
 
@@ -17,6 +21,9 @@ use glam::Vec3;
 
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
 use crate::tick::Substep;
+use near::Near;
+use patch::Patch;
+use respond::Answer;
 use crate::{Fabric, Motion, Particles, Soa3, Topology};
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
@@ -44,25 +51,23 @@ pub struct Contacts {
     pub touching: u32,
     /// How far the deepest particle was below the offset before it was pushed out in the last substep, m.
     pub deepest: f32,
+    near: Near,
+    patch: Patch,
 }
 
 /// A particle found inside a collider leaves it at this speed, m/s: one that was spawned inside, or that a collider was
 /// put over. What enters during a substep is put back at once.
 pub const DEPENETRATION_SPEED: f32 = 3.0;
 
-/// How far, in offsets, a particle may be below the surface where a substep begins and count as outside.
-const RESOLVED_SINK: f32 = 0.1;
-
 impl Contacts {
-    /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
-    /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).
-    pub fn offset_for(topology: &Topology, fabric: &Fabric) -> f32 {
-        (fabric.thickness / 2.0).max(mean_edge(topology) / 8.0)
+    /// The distance to keep from colliders: half the fabric's thickness.
+    pub fn offset_for(fabric: &Fabric) -> f32 {
+        fabric.thickness / 2.0
     }
 
     /// Of a cloth of `fabric` over `topology`; no colliders.
     pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        Self { offset: Self::offset_for(topology, fabric), edge: mean_edge(topology), ..Self::default() }
+        Self { offset: Self::offset_for(fabric), edge: mean_edge(topology), ..Self::default() }
     }
 
     /// The least number of substeps of a tick in which no collider near the particles moves farther than a quarter of an edge in
@@ -105,23 +110,26 @@ fn mean_edge(topology: &Topology) -> f32 {
     lengths.sum::<f32>() / topology.edges.len().max(1) as f32
 }
 
-/// One substep's worth of contact with every collider, in their order.
-pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
+/// One substep's worth of contact of a cloth over `topology` with every collider, in their order.
+pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
     (contacts.touching, contacts.deepest) = (0, 0.0);
     if contacts.colliders.is_empty() {
         return;
     }
-    let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
-    for collider in &contacts.colliders {
-        let pose = collider.motion.at(sub.end);
-        let reach = collider.shape.bounding_radius() + contacts.offset;
-        let away = pose.position - pose.position.clamp(low, high);
-        if reach.is_finite() && away.length_squared() > reach * reach {
+    let Contacts { offset, edge, colliders, near, patch, .. } = contacts;
+    let extent = near.advance(topology, particles, colliders.len(), *edge);
+    for (which, collider) in colliders.iter().enumerate() {
+        let poses = [sub.start, sub.end].map(|time| collider.motion.at(time));
+        if !extent.reaches(&collider.shape, poses, *offset) {
             continue;
         }
-        let start = collider.motion.at(sub.start);
-        let found =
-            dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
+        let answer = Answer::new(collider, *offset, sub.h);
+        let found = if matches!(collider.shape, Shape::HalfSpace) {
+            dispatch!(*LEVEL, simd => respond::respond(simd, particles, &collider.shape, poses, &answer, sub.h))
+        } else {
+            let part = near.part(topology, which, &collider.shape, poses, *offset);
+            patch.collide(particles, part, &collider.shape, poses, &answer, sub.h)
+        };
         contacts.touching += found.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
     }

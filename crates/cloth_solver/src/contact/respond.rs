@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
-use super::{Collider, DEPENETRATION_SPEED, RESOLVED_SINK, Shape};
+use super::{Collider, DEPENETRATION_SPEED, Shape};
 use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat};
 use crate::{Particles, Pose};
 
@@ -15,72 +15,143 @@ pub(super) struct Found {
     pub deepest: f32,
 }
 
-/// Puts every free particle within `offset` of the collider back and takes its velocity into the surface.
+/// How a contact answers, the same for all of one collider in one substep, or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    /// Distance kept from the surface, m.
+    pub margin: f32,
+    /// Coulomb friction coefficient.
+    pub friction: f32,
+    /// How far what began inside the solid may be moved out, m.
+    pub way_out: f32,
+    /// Part of the substep that this is, 0..=1.
+    pub part: f32,
+}
+
+impl Answer {
+    /// Of `collider` in a whole substep of `h` s.
+    pub fn new(collider: &Collider, margin: f32, h: f32) -> Self {
+        Self { margin, friction: collider.friction, way_out: DEPENETRATION_SPEED * h, part: 1.0 }
+    }
+
+    /// In a part of the substep.
+    pub fn in_part(self, part: f32) -> Self {
+        Self { way_out: self.way_out * part, part, ..self }
+    }
+}
+
+/// Eight particles against one collider, in its frame.
+#[derive(Clone, Copy)]
+pub(super) struct Eight<S: Simd> {
+    /// Where they were when the substep, or this part of it, began, m.
+    pub before: Vec3x8<S>,
+    /// Where they are, m.
+    pub now: Vec3x8<S>,
+    /// What they move against the collider in a whole substep at their velocity, m.
+    pub slip: Vec3x8<S>,
+}
+
+/// What came of [`meet`].
+#[derive(Clone, Copy)]
+pub(super) struct Met<S: Simd> {
+    /// How far they are moved, m; 0 of those that do not touch.
+    pub shift: Vec3x8<S>,
+    /// What they move in a whole substep now, m.
+    pub slip: Vec3x8<S>,
+    /// Which of them touch.
+    pub hit: mask32x8<S>,
+    /// How far those were below the distance kept, m; 0 of the others.
+    pub depth: f32x8<S>,
+}
+
+/// Puts particles that are nearer than the distance kept back to the surface where they came through it, and takes their velocity
+/// into the surface. `wanted` are those that may move and whose `distance` is less than the margin.
+///
+/// What was inside the solid when the substep began has no way in: it leaves along the plane of least depth, slowly, and
+/// nothing slides or swings there: what its way out stretches would else come back as speed.
+#[inline(always)]
+pub(super) fn meet<S: Simd>(
+    simd: S,
+    shape: &Shape,
+    of: Eight<S>,
+    (distance, normal): (f32x8<S>, Vec3x8<S>),
+    wanted: mask32x8<S>,
+    answer: &Answer,
+) -> Met<S> {
+    let Eight { before, now, slip } = of;
+    let (margin, zero, one) = (splat(simd, answer.margin), splat(simd, 0.0), splat(simd, 1.0));
+    let tiny = splat(simd, f32::MIN_POSITIVE);
+    let (distance_before, _) = distance_and_normal(simd, shape, before, margin, wanted);
+    let buried = distance_before.simd_lt(zero);
+    // Along the way the distance to a convex solid is a convex function: the chord through its ends meets the distance kept no
+    // earlier than the way does.
+    let high = (distance_before - margin).max(zero);
+    let time = (high / (high + margin - distance).max(tiny)).max(zero).min(one);
+    let entry = before + (now - before) * time;
+    let (entry_distance, entry_normal) = distance_and_normal(simd, shape, entry, margin, wanted);
+    let entry_depth = margin - entry_distance + (entry - now).dot(entry_normal);
+    let normal = select(buried, normal, entry_normal);
+    let depth = buried.select(margin - distance, entry_depth).max(zero);
+    let hit = wanted & depth.simd_gt(zero);
+
+    let along = slip.dot(normal);
+    let approach = (-along).max(zero);
+    let sliding = slip - normal * along;
+    let stopped = (splat(simd, answer.friction) * approach / sliding.length().max(tiny)).min(one);
+    let left_inside = (margin - distance_before - splat(simd, answer.way_out)).max(zero);
+    let push = buried.select((depth - left_inside).max(zero), depth);
+    let dragged = sliding * (stopped * splat(simd, answer.part));
+    let left = sliding * (one - stopped) + normal * along.max(zero);
+    let still = Vec3x8 { x: zero, y: zero, z: zero };
+    Met {
+        shift: select(hit, normal * push - select(buried, still, dragged), still),
+        slip: select(hit, select(buried, still, left), slip),
+        hit,
+        depth: hit.select(depth, zero),
+    }
+}
+
+/// Every free particle against a collider that is met by particles alone.
 #[inline(always)]
 pub(super) fn respond<S: Simd>(
     simd: S,
     particles: &mut Particles,
-    collider: &Collider,
-    start: Pose,
-    end: Pose,
-    offset: f32,
+    shape: &Shape,
+    [start, end]: [Pose; 2],
+    answer: &Answer,
     h: f32,
 ) -> Found {
     let Particles { position, previous, velocity, inverse_mass, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
-    let reach = collider.shape.bounding_radius() + offset;
-    let (reach_squared, margin, zero) = (splat(simd, reach * reach), splat(simd, offset), splat(simd, 0.0));
+    let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
-    let tiny = splat(simd, f32::MIN_POSITIVE);
-    let depenetration = splat(simd, DEPENETRATION_SPEED * h);
     let mut found = Found::default();
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
-        let centred = x - Vec3x8::splat(simd, to.origin);
         let free = load(simd, inverse_mass, i).simd_gt(zero);
-        let near = free & centred.dot(centred).simd_le(reach_squared);
-        if !near.any_true() {
+        let now = to.inverse_point(simd, x);
+        let (distance, normal) = distance_and_normal(simd, shape, now, margin, free);
+        let wanted = free & distance.simd_lt(margin);
+        if !wanted.any_true() {
             continue;
         }
-        let local = to.inverse_point(simd, x);
-        let (distance, local_normal) = distance_and_normal(simd, &collider.shape, local, margin, near);
-        let hit = near & distance.simd_lt(margin);
-        if !hit.any_true() {
-            continue;
-        }
-        let normal = to.direction(simd, local_normal);
-        let depth = margin - distance;
         let before = from.inverse_point(simd, Vec3x8::load(simd, previous, i));
-        let (distance_before, _) = distance_and_normal(simd, &collider.shape, before, margin, hit);
-        let depth_before = (margin - distance_before).max(zero);
-
-        // What the particle moved against the collider in this substep.
-        let carried = x - from.direction(simd, local) - Vec3x8::splat(simd, from.origin);
-        let slip = Vec3x8::load(simd, velocity, i) * step - carried;
-        let along = slip.dot(normal);
-        let approach = (-along).max(zero);
-        let sliding = slip - normal * along;
-        let stopped = (splat(simd, collider.friction) * approach / sliding.length().max(tiny)).min(splat(simd, 1.0));
-        // What was outside when the substep began is put back at once. What was not, leaves slowly, and inside a solid
-        // nothing slides or swings: what its way out stretches would else come back as speed.
-        let buried = depth_before.simd_gt(splat(simd, RESOLVED_SINK * offset));
-        let push = buried.select(depth.min(depenetration), depth);
-        let placed = x + normal * push - sliding * stopped;
-        let left = sliding * (splat(simd, 1.0) - stopped) + normal * along.max(zero);
-        let still = Vec3x8 { x: zero, y: zero, z: zero };
-        let left = select(buried, still, left) + carried;
-        select(hit, placed, x).store(position, i);
-        select(hit, left * per_step, Vec3x8::load(simd, velocity, i)).store(velocity, i);
-        found.touching += hit.to_bitmask().count_ones();
-        found.deepest = found.deepest.max(hit.select(depth, zero).reduce_max());
+        let v = Vec3x8::load(simd, velocity, i);
+        let slip = from.inverse_direction(simd, v * step) + (now - from.inverse_point(simd, x));
+        let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
+        (x + to.direction(simd, met.shift)).store(position, i);
+        let at = now + met.shift;
+        let left = (from.direction(simd, met.slip) + (to.point(simd, at) - from.point(simd, at))) * per_step;
+        select(met.hit, left, v).store(velocity, i);
+        found.touching += met.hit.to_bitmask().count_ones();
+        found.deepest = found.deepest.max(met.depth.reduce_max());
     }
     found
 }
-
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see
 /// [`Shape::distance_and_normal`]. Elsewhere a distance that is no smaller than `margin`, or anything where not wanted.
 #[inline(always)]
-fn distance_and_normal<S: Simd>(
+pub(super) fn distance_and_normal<S: Simd>(
     simd: S,
     shape: &Shape,
     p: Vec3x8<S>,

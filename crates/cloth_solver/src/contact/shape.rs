@@ -101,6 +101,30 @@ impl Shape {
             Self::HalfSpace => f32::INFINITY,
         }
     }
+
+    /// Radius of a ball within, m; infinite for a half-space.
+    pub(crate) fn inner_radius(&self) -> f32 {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Convex(hull) => hull.inner_radius,
+            Self::HalfSpace => f32::INFINITY,
+        }
+    }
+
+    /// Lowest and highest corner of the box along the axes that holds the shape, m.
+    pub(crate) fn bounds(&self) -> [Vec3; 2] {
+        match self {
+            Self::Sphere { radius } => [Vec3::splat(-radius), Vec3::splat(*radius)],
+            Self::Capsule { radius, half_length } => {
+                let high = Vec3::new(*radius, radius + half_length, *radius);
+                [-high, high]
+            }
+            Self::Convex(hull) => hull.corners.iter().fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| {
+                [low.min(*corner), high.max(*corner)]
+            }),
+            Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,239 @@
+//! The part of a cloth that is near one collider, in that collider's frame, through one substep.
+//!
+//! Seen from there the collider stands still and the cloth moves past it. Where it moves farther than what the collider's inner
+//! ball allows, the substep is taken in stages, the longer the farther the cloth is away (conservative advancement;
+//! Mirtich 1996): so nothing passes, however fast, and every contact is met where it is shallow.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch};
+use glam::Vec3;
+
+use super::near::Part;
+use super::respond::{Answer, Eight, Found, distance_and_normal, meet};
+use super::{Shape, features};
+use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
+use crate::{Particles, Pose, Soa3};
+
+/// In a stage cloth moves against the collider that many of its inner radii at most.
+const STAGE: f32 = 0.5;
+
+/// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
+const MOST_STAGES: f32 = 500.0;
+
+/// Passes over triangles and edges in one stage at most. Cloth that lies still takes one.
+const MOST_PASSES: u32 = 8;
+
+/// Working memory: particles in the frame of a collider, in the order of [`Part::slots`], and padding.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Patch {
+    /// Where each was when the stage began, m.
+    pub before: Soa3,
+    /// Where it is, m.
+    pub now: Soa3,
+    /// How far it moves in a whole substep, m.
+    pub way: Soa3,
+    /// The part of that which is its velocity, m.
+    pub slip: Soa3,
+    /// Normal of a plane through the nearest point of the collider that it is beyond as a whole.
+    pub normal: Soa3,
+    /// How far that plane is from the origin, m.
+    pub height: Vec<f32>,
+    /// Inverse mass, 1/kg.
+    pub inverse_mass: Vec<f32>,
+    /// Whether it touched.
+    pub touched: Vec<bool>,
+    /// How far contact put each from where it would have ended, m.
+    pub shift: Soa3,
+    /// Where it would have ended, if the substep is taken in stages, m.
+    end: Soa3,
+    /// How far the deepest was below the distance kept, m.
+    pub deepest: f32,
+    /// The largest push of the last pass, m.
+    pub pushed: f32,
+}
+
+impl Patch {
+    /// Lets `part` of the cloth meet a collider that moves from the first of `poses` to the second.
+    pub fn collide(
+        &mut self,
+        particles: &mut Particles,
+        part: &Part,
+        shape: &Shape,
+        poses: [Pose; 2],
+        answer: &Answer,
+        h: f32,
+    ) -> Found {
+        let frames = poses.map(Frame::new);
+        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, part, shape, frames, h));
+        // Nothing to do if no edge is as long as the nearest particle is away.
+        if nearest - farthest > answer.margin + part.longest {
+            return Found::default();
+        }
+        self.deepest = 0.0;
+        let step = (STAGE * shape.inner_radius()).max(farthest / MOST_STAGES);
+        if farthest <= step {
+            self.meet(part, shape, answer);
+        } else {
+            self.advance(part, shape, answer, farthest, step);
+        }
+        dispatch!(*LEVEL, simd => self.scatter(simd, particles, part, frames, h));
+        Found { touching: self.touched.iter().map(|touched| u32::from(*touched)).sum(), deepest: self.deepest }
+    }
+
+    /// Takes the substep in stages.
+    fn advance(&mut self, part: &Part, shape: &Shape, answer: &Answer, farthest: f32, step: f32) {
+        self.end.copy_from(&self.now);
+        self.now.copy_from(&self.before);
+        let mut at = 0.0;
+        while at < 1.0 {
+            let clear = dispatch!(*LEVEL, simd => self.distances(simd, shape)) - answer.margin - part.longest;
+            let stage = (step.max(clear) / farthest).min(1.0 - at);
+            self.before.copy_from(&self.now);
+            add(&mut self.now, &self.way, stage);
+            self.meet(part, shape, &answer.in_part(stage));
+            at += stage;
+        }
+        self.shift.copy_from(&self.now);
+        add(&mut self.shift, &self.end, -1.0);
+    }
+
+    /// One stage: particles, then triangles, then edges.
+    fn meet(&mut self, part: &Part, shape: &Shape, answer: &Answer) {
+        for _ in 0..MOST_PASSES {
+            dispatch!(*LEVEL, simd => self.meet_particles(simd, shape, answer));
+            self.pushed = 0.0;
+            features::meet(self, part, shape, answer);
+            if self.pushed <= answer.margin {
+                break;
+            }
+        }
+    }
+
+    /// Loads the particles; tells how far any moves, and how far the nearest is away where it ends.
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &mut self,
+        simd: S,
+        particles: &Particles,
+        part: &Part,
+        shape: &Shape,
+        [from, to]: [Frame; 2],
+        h: f32,
+    ) -> (f32, f32) {
+        self.fit(part.slots.len());
+        let step = splat(simd, h);
+        let (mut farthest, mut nearest) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
+        for (group, slots) in part.slots.chunks(LANES).enumerate() {
+            // Padding repeats the last particle, and cannot move.
+            let slot = |lane: usize| slots[lane.min(slots.len() - 1)] as usize;
+            let of = |all: &[f32]| load(simd, &std::array::from_fn::<f32, LANES, _>(|lane| all[slot(lane)]), 0);
+            let vector = |all: &Soa3| Vec3x8 { x: of(&all.x), y: of(&all.y), z: of(&all.z) };
+            let x = vector(&particles.position);
+            let now = to.inverse_point(simd, x);
+            let before = from.inverse_point(simd, vector(&particles.previous));
+            let way = now - before;
+            let slip = from.inverse_direction(simd, vector(&particles.velocity) * step) + (now - from.inverse_point(simd, x));
+            let i = group * LANES;
+            now.store(&mut self.now, i);
+            before.store(&mut self.before, i);
+            way.store(&mut self.way, i);
+            slip.store(&mut self.slip, i);
+            for lane in 0..LANES {
+                self.inverse_mass[i + lane] = slots.get(lane).map_or(0.0, |slot| particles.inverse_mass[*slot as usize]);
+            }
+            farthest = farthest.max(way.dot(way));
+            let (distance, _) = distance_and_normal(simd, shape, now, splat(simd, 0.0), splat(simd, 0.0).simd_ge(splat(simd, 0.0)));
+            nearest = nearest.min(distance);
+        }
+        (farthest.reduce_max().sqrt(), nearest.reduce_min())
+    }
+
+    fn fit(&mut self, particles: usize) {
+        let slots = particles.next_multiple_of(LANES);
+        let Self { before, now, way, slip, normal, shift, end, .. } = self;
+        for all in [before, now, way, slip, normal, shift, end] {
+            for axis in [&mut all.x, &mut all.y, &mut all.z] {
+                axis.resize(slots, 0.0);
+            }
+        }
+        self.shift.fill(Vec3::ZERO);
+        self.height.resize(slots, 0.0);
+        self.inverse_mass.resize(slots, 0.0);
+        self.touched.clear();
+        self.touched.resize(slots, false);
+    }
+
+    /// The least distance of any particle from the collider, m; also finds the planes.
+    #[inline(always)]
+    fn distances<S: Simd>(&mut self, simd: S, shape: &Shape) -> f32 {
+        let zero = splat(simd, 0.0);
+        let mut least = splat(simd, f32::INFINITY);
+        for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
+            let now = Vec3x8::load(simd, &self.now, i);
+            least = least.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
+        }
+        least.reduce_min()
+    }
+
+    #[inline(always)]
+    fn meet_particles<S: Simd>(&mut self, simd: S, shape: &Shape, answer: &Answer) {
+        let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
+        let mut deepest = zero;
+        for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
+            let now = Vec3x8::load(simd, &self.now, i);
+            let free = load(simd, &self.inverse_mass, i).simd_gt(zero);
+            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            normal.store(&mut self.normal, i);
+            store(now.dot(normal) - distance, &mut self.height, i);
+            let wanted = free & distance.simd_lt(margin);
+            if !wanted.any_true() {
+                continue;
+            }
+            let (before, slip) = (Vec3x8::load(simd, &self.before, i), Vec3x8::load(simd, &self.slip, i));
+            let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
+            (now + met.shift).store(&mut self.now, i);
+            (Vec3x8::load(simd, &self.shift, i) + met.shift).store(&mut self.shift, i);
+            (Vec3x8::load(simd, &self.way, i) + met.slip - slip).store(&mut self.way, i);
+            met.slip.store(&mut self.slip, i);
+            deepest = deepest.max(met.depth);
+            let mut hit = met.hit.to_bitmask();
+            while hit != 0 {
+                self.touched[i + hit.trailing_zeros() as usize] = true;
+                hit &= hit - 1;
+            }
+        }
+        self.deepest = self.deepest.max(deepest.reduce_max());
+    }
+
+    /// Puts back what touched.
+    #[inline(always)]
+    fn scatter<S: Simd>(&self, simd: S, particles: &mut Particles, part: &Part, [from, to]: [Frame; 2], h: f32) {
+        let per_step = splat(simd, 1.0 / h);
+        for (group, slots) in part.slots.chunks(LANES).enumerate() {
+            let i = group * LANES;
+            if !self.touched[i..i + slots.len()].contains(&true) {
+                continue;
+            }
+            let now = Vec3x8::load(simd, &self.now, i);
+            let slip = Vec3x8::load(simd, &self.slip, i);
+            let velocity = (from.direction(simd, slip) + (to.point(simd, now) - from.point(simd, now))) * per_step;
+            let shift = to.direction(simd, Vec3x8::load(simd, &self.shift, i));
+            let [shift, velocity] = [shift, velocity].map(|v| -> [[f32; LANES]; 3] { [v.x.into(), v.y.into(), v.z.into()] });
+            for (lane, slot) in slots.iter().enumerate().filter(|(lane, _)| self.touched[i + lane]) {
+                let at = |v: [[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+                let slot = *slot as usize;
+                particles.position.set(slot, particles.position.get(slot) + at(shift));
+                particles.velocity.set(slot, at(velocity));
+            }
+        }
+    }
+}
+
+/// `to += by * scale`.
+fn add(to: &mut Soa3, by: &Soa3, scale: f32) {
+    for (to, by) in [(&mut to.x, &by.x), (&mut to.y, &by.y), (&mut to.z, &by.z)] {
+        for (to, by) in to.iter_mut().zip(by) {
+            *to += by * scale;
+        }
+    }
+}

@@ -97,9 +97,17 @@ fn edge_and_axis(patch: &mut Patch, edge: [usize; 2], axis: [Vec3; 2], radius: f
     push(patch, edge, [1.0 - s, s], way / distance, radius + answer.margin - distance, shape, answer);
 }
 
-/// Against the corners of a solid that lie before its face, and no deeper beyond it than the solid's inner radius.
+/// What a contact with a corner or an edge may be deep, m: less than the way out through a face is long, where the particles are
+/// met, and than the inner radius, or it is on the other side of the solid.
+fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32) -> f32 {
+    let faces = hull.planes.iter().map(|(n, d)| d - points.map(|p| n.dot(p)).into_iter().fold(f32::INFINITY, f32::min));
+    margin + faces.fold(hull.inner_radius, f32::min)
+}
+
+/// Against the corners of a solid that it covers.
 fn triangle_and_corners(patch: &mut Patch, triangle: [usize; 3], hull: &ConvexHull, shape: &Shape, answer: &Answer) {
     let points = triangle.map(|i| patch.now.get(i));
+    let most_depth = most_depth(hull, points, answer.margin);
     let reach = Vec3::splat(hull.inner_radius + answer.margin);
     let low = points[0].min(points[1]).min(points[2]) - reach;
     let high = points[0].max(points[1]).max(points[2]) + reach;
@@ -128,18 +136,19 @@ fn triangle_and_corners(patch: &mut Patch, triangle: [usize; 3], hull: &ConvexHu
         };
         let depth = answer.margin - outward.dot(points[0] - corner);
         let weights = on_triangle(corner, points);
-        if depth > 0.0 && depth < hull.inner_radius + answer.margin && weights.iter().all(|weight| *weight > 0.0) {
+        if depth > 0.0 && depth < most_depth && weights.iter().all(|weight| *weight > 0.0) {
             push(patch, triangle, weights, outward, depth, shape, answer);
         }
     }
 }
 
-/// Against that edge of a solid that it crosses least deep, and no deeper than the solid's inner radius.
+/// Against that edge of a solid that it crosses least deep.
 fn edge_and_edges(patch: &mut Patch, edge: [usize; 2], hull: &ConvexHull, shape: &Shape, answer: &Answer) {
     let ends = edge.map(|i| patch.now.get(i));
     let along = ends[1] - ends[0];
     let reach = Vec3::splat(hull.inner_radius + answer.margin);
     let (low, high) = (ends[0].min(ends[1]) - reach, ends[0].max(ends[1]) + reach);
+    let most_depth = most_depth(hull, ends, answer.margin);
     let mut least: Option<(f32, f32, Vec3)> = None;
     for (corners, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
         let [a, b] = corners.map(|i| hull.corners[i as usize]);
@@ -167,7 +176,7 @@ fn edge_and_edges(patch: &mut Patch, edge: [usize; 2], hull: &ConvexHull, shape:
         let s = between.cross(ridge).dot(cross) / square;
         let t = between.cross(along).dot(cross) / square;
         let crosses = s > 0.0 && s < 1.0 && (0.0..=1.0).contains(&t);
-        if crosses && depth < least.map_or(hull.inner_radius + answer.margin, |least| least.0) {
+        if crosses && depth < least.map_or(most_depth, |least| least.0) {
             least = Some((depth, s, outward));
         }
     }

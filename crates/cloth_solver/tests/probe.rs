@@ -1,8 +1,8 @@
 mod common;
-use cloth_solver::contact::{Collider, Shape};
-use cloth_solver::{Cloth, Fabric, Motion, Pose, measure};
+use cloth_solver::contact::Shape;
+use cloth_solver::{Cloth, Fabric, measure};
 use common::*;
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 fn fastest(cloth: &Cloth) -> (f32, usize) {
     cloth.topology.particles().map(|p| (cloth.particles.velocity.get(p as usize).length(), p as usize)).fold((0.0, 0), |a, b| if b.0 > a.0 || b.0.is_nan() { b } else { a })

@@ -4,6 +4,9 @@
 //! A contact acts at a point of the cloth with weights b of its corners (sum 1) along a normal n. What it lacks of the distance
 //! kept, C, is made up for by `Δx_i = w_i b_i n λ`, `λ = C / Σ w_j b_j²` (Bridson, Fedkiw, Anderson 2002): the point itself moves by C,
 //! and so the velocity of the point is taken into the surface, as that of a particle is.
+//!
+//! Where and along which normal is decided where the cloth came into contact, not where it would have gone to: a particle that bears a
+//! load is drawn in by h² F/m in a substep, and looked at there an edge may seem to slip off sideways.
 
 use glam::Vec3;
 
@@ -23,42 +26,70 @@ const CONE: f32 = 1e-4;
 /// What a plane may lack of the distance kept, as a part of it, and be beyond: rounding.
 const BEYOND: f32 = 0.9;
 
+/// A point of the cloth and one of the collider that are nearest to each other.
+#[derive(Clone, Copy, Debug)]
+struct Pair<const N: usize> {
+    /// Weights of the corners at the point of the cloth.
+    weights: [f32; N],
+    /// The point of the ball's centre, the axis, the corner or the edge.
+    core: Vec3,
+    /// From there to the cloth, of unit length.
+    normal: Vec3,
+    /// How far that is, m.
+    distance: f32,
+}
+
+impl<const N: usize> Pair<N> {
+    /// `None` where the points are one, or the cloth's is one of its particles, which are met elsewhere.
+    fn new(weights: [f32; N], points: [Vec3; N], core: Vec3) -> Option<Self> {
+        let way = blend(weights, points) - core;
+        let distance = way.length();
+        let is_particle = weights.iter().any(|weight| *weight >= 1.0);
+        (distance > f32::MIN_POSITIVE && !is_particle).then(|| Self { weights, core, normal: way / distance, distance })
+    }
+}
+
 /// One pass over the triangles and edges of `part`.
 pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answer) {
-    match shape {
-        Shape::HalfSpace => {}
-        Shape::Sphere { radius } => {
-            for triangle in part.triangles.iter().map(|triangle| triangle.map(|i| i as usize)) {
-                if !is_beyond(patch, triangle, answer.margin) {
-                    triangle_and_ball(patch, triangle, Vec3::ZERO, *radius, shape, answer);
+    let margin = answer.margin;
+    for triangle in part.triangles.iter().map(|triangle| triangle.map(|i| i as usize)) {
+        if is_beyond(patch, triangle, margin) {
+            continue;
+        }
+        match shape {
+            Shape::HalfSpace => {}
+            Shape::Sphere { radius } => {
+                let nearest = |points, _| triangle_and_point(points, Vec3::ZERO);
+                touch(patch, triangle, radius + margin, nearest, |_| None, shape, answer);
+            }
+            Shape::Capsule { radius, half_length } => {
+                for end in [Vec3::Y * -half_length, Vec3::Y * *half_length] {
+                    let nearest = |points, _| triangle_and_point(points, end);
+                    touch(patch, triangle, radius + margin, nearest, |_| None, shape, answer);
                 }
+            }
+            Shape::Convex(hull) => {
+                let nearest = |points, reach| triangle_and_corners(hull, points, reach);
+                let inside = |points| triangle_over_corners(hull, points, margin);
+                touch(patch, triangle, margin, nearest, inside, shape, answer);
             }
         }
-        Shape::Capsule { radius, half_length } => {
-            let axis = [Vec3::Y * -half_length, Vec3::Y * *half_length];
-            for triangle in part.triangles.iter().map(|triangle| triangle.map(|i| i as usize)) {
-                if !is_beyond(patch, triangle, answer.margin) {
-                    for end in axis {
-                        triangle_and_ball(patch, triangle, end, *radius, shape, answer);
-                    }
-                }
-            }
-            for edge in part.edges.iter().map(|edge| edge.map(|i| i as usize)) {
-                if !is_beyond(patch, edge, answer.margin) {
-                    edge_and_axis(patch, edge, axis, *radius, shape, answer);
-                }
-            }
+    }
+    for edge in part.edges.iter().map(|edge| edge.map(|i| i as usize)) {
+        if matches!(shape, Shape::Sphere { .. }) || is_beyond(patch, edge, margin) {
+            continue;
         }
-        Shape::Convex(hull) => {
-            for triangle in part.triangles.iter().map(|triangle| triangle.map(|i| i as usize)) {
-                if !is_beyond(patch, triangle, answer.margin) {
-                    triangle_and_corners(patch, triangle, hull, shape, answer);
-                }
+        match shape {
+            Shape::HalfSpace | Shape::Sphere { .. } => {}
+            Shape::Capsule { radius, half_length } => {
+                let axis = [Vec3::Y * -half_length, Vec3::Y * *half_length];
+                let nearest = |points, _| edge_and_segment(points, axis);
+                touch(patch, edge, radius + margin, nearest, |_| None, shape, answer);
             }
-            for edge in part.edges.iter().map(|edge| edge.map(|i| i as usize)) {
-                if !is_beyond(patch, edge, answer.margin) {
-                    edge_and_edges(patch, edge, hull, shape, answer);
-                }
+            Shape::Convex(hull) => {
+                let nearest = |points, reach| edge_and_edges(hull, points, reach);
+                let inside = |points| edge_over_edges(hull, points, margin);
+                touch(patch, edge, margin, nearest, inside, shape, answer);
             }
         }
     }
@@ -73,28 +104,105 @@ fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) ->
     })
 }
 
-/// Against the ball of `radius` about `centre`.
-fn triangle_and_ball(patch: &mut Patch, triangle: [usize; 3], centre: Vec3, radius: f32, shape: &Shape, answer: &Answer) {
-    let points = triangle.map(|i| patch.now.get(i));
-    let weights = on_triangle(centre, points);
-    let way = points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] - centre;
-    let distance = way.length();
-    if distance >= radius + answer.margin || distance <= f32::MIN_POSITIVE || weights.contains(&1.0) {
+/// Finds whether and where these come nearer than `keep` to what `nearest` finds next to them within a reach, and answers. What
+/// was inside from the start, `inside` knows the way out of.
+fn touch<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    keep: f32,
+    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    shape: &Shape,
+    answer: &Answer,
+) {
+    let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
+    let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
+    let depth_at = |pair: &Pair<N>| keep - pair.normal.dot(blend(pair.weights, now) - pair.core);
+    let Some(mut pair) = nearest(before, keep + moved) else {
+        let outside = nearest(now, keep).map(|pair| (pair, keep - pair.distance));
+        if let Some((pair, depth)) = outside.or_else(|| inside(now)).filter(|(_, depth)| *depth > 0.0) {
+            push(patch, corners, &pair, depth, shape, answer);
+        }
+        return;
+    };
+    // The plane between them, if they are still on their own sides of it.
+    if now.iter().all(|p| pair.normal.dot(*p - pair.core) >= keep) {
         return;
     }
-    push(patch, triangle, weights, way / distance, radius + answer.margin - distance, shape, answer);
+    let (high, depth) = ((pair.distance - keep).max(0.0), depth_at(&pair));
+    let time = if depth > 0.0 { high / (high + depth) } else { 1.0 };
+    if time > 0.0 {
+        let then: [Vec3; N] = std::array::from_fn(|i| before[i].lerp(now[i], time));
+        pair = nearest(then, keep).unwrap_or(pair);
+    }
+    let depth = depth_at(&pair);
+    if depth > 0.0 {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
 }
 
-/// Against the segment `axis` blown up by `radius`.
-fn edge_and_axis(patch: &mut Patch, edge: [usize; 2], axis: [Vec3; 2], radius: f32, shape: &Shape, answer: &Answer) {
-    let ends = edge.map(|i| patch.now.get(i));
+fn blend<const N: usize>(weights: [f32; N], points: [Vec3; N]) -> Vec3 {
+    (0..N).map(|i| points[i] * weights[i]).sum()
+}
+
+fn triangle_and_point(points: [Vec3; 3], core: Vec3) -> Option<Pair<3>> {
+    Pair::new(on_triangle(core, points), points, core)
+}
+
+fn edge_and_segment(ends: [Vec3; 2], axis: [Vec3; 2]) -> Option<Pair<2>> {
     let [s, t] = of_segments(ends, axis);
-    let way = ends[0].lerp(ends[1], s) - axis[0].lerp(axis[1], t);
-    let distance = way.length();
-    if distance >= radius + answer.margin || distance <= f32::MIN_POSITIVE || s <= 0.0 || s >= 1.0 {
-        return;
+    Pair::new([1.0 - s, s], ends, axis[0].lerp(axis[1], t))
+}
+
+/// Whether what is no farther than `reach` from the box around `points` may be this segment or corner.
+fn is_near<const N: usize>(points: [Vec3; N], reach: f32, [low, high]: [Vec3; 2]) -> bool {
+    let reach = Vec3::splat(reach);
+    let (least, most) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(least, most), p| (least.min(*p), most.max(*p)));
+    !(high.cmplt(least - reach).any() || low.cmpgt(most + reach).any())
+}
+
+/// The corner of a solid nearest to a triangle that it faces.
+fn triangle_and_corners(hull: &ConvexHull, points: [Vec3; 3], reach: f32) -> Option<Pair<3>> {
+    let corners = hull.corners.iter().enumerate().filter(|(_, corner)| is_near(points, reach, [**corner; 2]));
+    let pairs = corners.filter_map(|(which, corner)| {
+        let pair = triangle_and_point(points, *corner)?;
+        let is_inner = pair.weights.iter().all(|weight| *weight > 0.0);
+        (is_inner && faces(hull, which, pair.normal) == Some(1.0)).then_some(pair)
+    });
+    pairs.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// The edge of a solid nearest to one that it faces.
+fn edge_and_edges(hull: &ConvexHull, ends: [Vec3; 2], reach: f32) -> Option<Pair<2>> {
+    let mut nearest: Option<Pair<2>> = None;
+    for (edge, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
+        let ridge @ [a, b] = edge.map(|i| hull.corners[i as usize]);
+        if !is_near(ends, reach, [a.min(b), a.max(b)]) {
+            continue;
+        }
+        let Some(pair) = edge_and_segment(ends, ridge) else { continue };
+        let faces = into_faces.iter().all(|way| pair.normal.dot(*way) <= CONE);
+        if faces && nearest.is_none_or(|nearest| pair.distance < nearest.distance) {
+            nearest = Some(pair);
+        }
     }
-    push(patch, edge, [1.0 - s, s], way / distance, radius + answer.margin - distance, shape, answer);
+    nearest
+}
+
+/// 1 if `normal` is one of a corner, along which no edge of it rises, −1 if the opposite is.
+fn faces(hull: &ConvexHull, corner: usize, normal: Vec3) -> Option<f32> {
+    let place = hull.corners[corner];
+    let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+    for [a, b] in hull.edges.iter().map(|edge| edge.map(|i| i as usize)).filter(|edge| edge.contains(&corner)) {
+        let edge = hull.corners[if a == corner { b } else { a }] - place;
+        let rise = normal.dot(edge) / edge.length();
+        (least, most) = (least.min(rise), most.max(rise));
+    }
+    match (most <= CONE, least >= -CONE) {
+        (true, _) => Some(1.0),
+        (_, true) => Some(-1.0),
+        _ => None,
+    }
 }
 
 /// What a contact with a corner or an edge may be deep, m: less than the way out through a face is long, where the particles are
@@ -104,97 +212,64 @@ fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32)
     margin + faces.fold(hull.inner_radius, f32::min)
 }
 
-/// Against the corners of a solid that it covers.
-fn triangle_and_corners(patch: &mut Patch, triangle: [usize; 3], hull: &ConvexHull, shape: &Shape, answer: &Answer) {
-    let points = triangle.map(|i| patch.now.get(i));
-    let most_depth = most_depth(hull, points, answer.margin);
-    let reach = Vec3::splat(hull.inner_radius + answer.margin);
-    let low = points[0].min(points[1]).min(points[2]) - reach;
-    let high = points[0].max(points[1]).max(points[2]) + reach;
+/// The way off the corner of a solid that sticks through a triangle, and how far it is, m.
+fn triangle_over_corners(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+    let most_depth = most_depth(hull, points, margin);
     let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
-    for (which, &corner) in hull.corners.iter().enumerate() {
-        if corner.cmplt(low).any() || corner.cmpgt(high).any() {
-            continue;
-        }
-        // The normals of a corner are those that no edge of it rises along.
-        let edges = hull.edges.iter().filter_map(|[a, b]| match which {
-            _ if *a as usize == which => Some(hull.corners[*b as usize] - corner),
-            _ if *b as usize == which => Some(hull.corners[*a as usize] - corner),
-            _ => None,
-        });
-        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
-        for edge in edges {
-            let rise = normal.dot(edge) / edge.length();
-            (least, most) = (least.min(rise), most.max(rise));
-        }
-        let outward = if most <= CONE {
-            normal
-        } else if least >= -CONE {
-            -normal
-        } else {
-            continue;
-        };
-        let depth = answer.margin - outward.dot(points[0] - corner);
-        let weights = on_triangle(corner, points);
-        if depth > 0.0 && depth < most_depth && weights.iter().all(|weight| *weight > 0.0) {
-            push(patch, triangle, weights, outward, depth, shape, answer);
-        }
-    }
+    let corners = hull.corners.iter().enumerate().filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
+    let ways = corners.filter_map(|(which, &core)| {
+        let normal = normal * faces(hull, which, normal)?;
+        let weights = on_triangle(core, points);
+        let depth = margin - normal.dot(points[0] - core);
+        let is_through = depth > 0.0 && depth < most_depth && weights.iter().all(|weight| *weight > 0.0);
+        is_through.then_some((Pair { weights, core, normal, distance: margin - depth }, depth))
+    });
+    ways.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Against that edge of a solid that it crosses least deep.
-fn edge_and_edges(patch: &mut Patch, edge: [usize; 2], hull: &ConvexHull, shape: &Shape, answer: &Answer) {
-    let ends = edge.map(|i| patch.now.get(i));
+/// The way off that edge of a solid which this one crosses least deep, and how far it is, m.
+fn edge_over_edges(hull: &ConvexHull, ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
     let along = ends[1] - ends[0];
-    let reach = Vec3::splat(hull.inner_radius + answer.margin);
-    let (low, high) = (ends[0].min(ends[1]) - reach, ends[0].max(ends[1]) + reach);
-    let most_depth = most_depth(hull, ends, answer.margin);
-    let mut least: Option<(f32, f32, Vec3)> = None;
-    for (corners, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
-        let [a, b] = corners.map(|i| hull.corners[i as usize]);
-        if a.max(b).cmplt(low).any() || a.min(b).cmpgt(high).any() {
-            continue;
-        }
-        let ridge = b - a;
-        let normal = along.cross(ridge);
-        let square = normal.length_squared();
+    let mut most_depth = most_depth(hull, ends, margin);
+    let mut least = None;
+    for (edge, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
+        let [a, b] = edge.map(|i| hull.corners[i as usize]);
+        let (ridge, between) = (b - a, a - ends[0]);
+        let across = along.cross(ridge);
+        let square = across.length_squared();
         if square <= PARALLEL * PARALLEL * along.length_squared() * ridge.length_squared() {
             continue;
         }
-        let normal = normal / square.sqrt();
-        let rises = into_faces.map(|way| normal.dot(way));
-        let outward = if rises.iter().all(|rise| *rise <= CONE) {
-            normal
-        } else if rises.iter().all(|rise| *rise >= -CONE) {
-            -normal
-        } else {
+        let (s, t) = (between.cross(ridge).dot(across) / square, between.cross(along).dot(across) / square);
+        if s <= 0.0 || s >= 1.0 || !(0.0..=1.0).contains(&t) {
             continue;
+        }
+        let normal = across / square.sqrt();
+        let rises = into_faces.map(|way| normal.dot(way));
+        let normal = match (rises.iter().all(|rise| *rise <= CONE), rises.iter().all(|rise| *rise >= -CONE)) {
+            (true, _) => normal,
+            (_, true) => -normal,
+            _ => continue,
         };
-        let depth = answer.margin - outward.dot(ends[0] - a);
-        let between = a - ends[0];
-        let cross = along.cross(ridge);
-        let s = between.cross(ridge).dot(cross) / square;
-        let t = between.cross(along).dot(cross) / square;
-        let crosses = s > 0.0 && s < 1.0 && (0.0..=1.0).contains(&t);
-        if crosses && depth < least.map_or(most_depth, |least| least.0) {
-            least = Some((depth, s, outward));
+        let depth = margin + normal.dot(between);
+        if depth > 0.0 && depth < most_depth {
+            most_depth = depth;
+            least = Some((Pair { weights: [1.0 - s, s], core: a + ridge * t, normal, distance: margin - depth }, depth));
         }
     }
-    if let Some((depth, s, normal)) = least.filter(|least| least.0 > 0.0) {
-        push(patch, edge, [1.0 - s, s], normal, depth, shape, answer);
-    }
+    least
 }
 
 /// Answers one contact that is `depth` below the distance kept, as [`super::respond::meet`] answers that of a particle.
 fn push<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
-    weights: [f32; N],
-    normal: Vec3,
+    pair: &Pair<N>,
     depth: f32,
     shape: &Shape,
     answer: &Answer,
 ) {
+    let Pair { weights, normal, .. } = *pair;
     let inertia: f32 = (0..N).map(|i| patch.inverse_mass[corners[i]] * weights[i] * weights[i]).sum();
     if inertia <= 0.0 {
         return;

@@ -15,7 +15,7 @@ use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
 
 /// In a stage cloth moves against the collider that many of its inner radii at most.
-const STAGE: f32 = 0.5;
+const STAGE: f32 = 0.125;
 
 /// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
 const MOST_STAGES: f32 = 500.0;

@@ -173,7 +173,12 @@ fn strike(kind: Thing, sheet_kind: Sheet, is_mesh: bool, seed: u64) -> (f32, Out
         for triangle in &cloth.topology.triangles {
             let (from, to) = (triangle.map(|slot| before[slot as usize]), triangle.map(now));
             let passed = core.iter().filter(|core| passes(from.map(|p| p - **core), to.map(|p| p - **core)));
-            outcome.passes += passed.count() as u32;
+            let count = passed.count() as u32;
+            if count > 0 && outcome.passes < 3 && std::env::var("DBG").is_ok() {
+                let size = |v: Vec3| shape.distance_and_normal(v).0;
+                println!("pass at {at}: {triangle:?} from {from:?} {:?} to {to:?} {:?} middles {:?} {:?} touching {} deepest {}", from.map(size), to.map(size), [0,1,2].map(|i| size(0.5*(from[i]+from[(i+1)%3]))), [0,1,2].map(|i| size(0.5*(to[i]+to[(i+1)%3]))), cloth.contacts.touching, cloth.contacts.deepest);
+            }
+            outcome.passes += count;
         }
         for slot in cloth.topology.particles() {
             let (distance, _) = shape.distance_and_normal(now(slot));
@@ -220,4 +225,13 @@ fn nothing_passes_a_sheet_at_any_speed() {
 fn nothing_passes_a_sheet_at_any_speed_in_a_thousand_trials() {
     let failures = trials(std::env::var("TRIALS").ok().and_then(|count| count.parse().ok()).unwrap_or(84));
     assert!(failures.is_empty(), "{} fail: {failures:#?}", failures.len());
+}
+
+#[test]
+#[ignore = "probe"]
+fn one() {
+    for (kind, sheet, seed) in [(Thing::Apex, Sheet::Hanging, 2), (Thing::Apex, Sheet::Thrown, 1)] {
+        let (speed, outcome) = strike(kind, sheet, seed % 2 == 1, seed);
+        println!("{kind:?} {sheet:?} {speed} {} {}", outcome.passes, outcome.fastest);
+    }
 }

@@ -70,7 +70,7 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
             }
             Shape::Convex(hull) => {
                 let nearest = |points, reach| triangle_and_corners(hull, points, reach);
-                let inside = |points| triangle_over_corners(hull, points, margin);
+                let inside = |points| triangle_around_corner(hull, points, margin).or_else(|| triangle_over_corners(hull, points, margin));
                 touch(patch, triangle, margin, nearest, inside, shape, answer);
             }
         }
@@ -223,6 +223,47 @@ fn triangle_over_corners(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> O
         let depth = margin - normal.dot(points[0] - core);
         let is_through = depth > 0.0 && depth < most_depth && weights.iter().all(|weight| *weight > 0.0);
         is_through.then_some((Pair { weights, core, normal, distance: margin - depth }, depth))
+    });
+    ways.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The other ends of the edges that meet in a corner.
+fn edges_from(hull: &ConvexHull, corner: usize) -> impl Iterator<Item = Vec3> {
+    let other = move |[a, b]: [usize; 2]| (a == corner).then_some(b).or((b == corner).then_some(a));
+    hull.edges.iter().filter_map(move |edge| other(edge.map(|i| i as usize))).map(|i| hull.corners[i])
+}
+
+/// The way off the corner of a solid of which all edges pass through a triangle, and how far it is, m: from the middle of where they
+/// do to the corner, if that is nearer than their other ends. Near a sharp corner the way out through a face may be shorter, and
+/// leads nowhere: no particle is inside.
+fn triangle_around_corner(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+    let across = (points[1] - points[0]).cross(points[2] - points[0]);
+    let area = across.length_squared();
+    let ways = hull.corners.iter().enumerate().filter_map(|(which, &core)| {
+        let mut sum = [0.0; 3];
+        let mut around = true;
+        let height = across.dot(core - points[0]);
+        for end in edges_from(hull, which) {
+            let time = height / (height - across.dot(end - points[0]));
+            if !(0.0..0.5).contains(&time) {
+                around = false;
+                break;
+            }
+            let place = core.lerp(end, time);
+            let weight = |i: usize| {
+                let [u, v] = [1, 2].map(|step| points[(i + step) % 3] - place);
+                u.cross(v).dot(across) / area
+            };
+            let weights: [f32; 3] = std::array::from_fn(weight);
+            around &= weights.iter().all(|weight| *weight > 0.0);
+            sum = std::array::from_fn(|i| sum[i] + weights[i]);
+        }
+        let count: f32 = sum.iter().sum();
+        let weights = sum.map(|weight| weight / count);
+        let way = core - blend(weights, points);
+        let distance = way.length();
+        let is_through = around && distance > f32::MIN_POSITIVE;
+        is_through.then(|| (Pair { weights, core, normal: way / distance, distance }, distance + margin))
     });
     ways.min_by(|a, b| a.1.total_cmp(&b.1))
 }

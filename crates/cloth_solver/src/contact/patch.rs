@@ -17,6 +17,9 @@ use crate::{Particles, Pose, Soa3};
 /// In a stage cloth moves against the collider that many of its inner radii at most.
 const STAGE: f32 = 0.125;
 
+/// The same of solids with corners and edges, near which the way out is short: at a quarter of the radius an apex passes.
+const STAGE_OF_EDGES: f32 = 0.03;
+
 /// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
 const MOST_STAGES: f32 = 500.0;
 
@@ -70,7 +73,8 @@ impl Patch {
             return Found::default();
         }
         self.deepest = 0.0;
-        let step = (STAGE * shape.inner_radius()).max(farthest / MOST_STAGES);
+        let stage = if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE };
+        let step = (stage * shape.inner_radius()).max(farthest / MOST_STAGES);
         if farthest <= step {
             self.meet(part, shape, answer);
         } else {

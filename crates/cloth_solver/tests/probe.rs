@@ -60,3 +60,14 @@ fn curtain() {
     }
     }
 }
+
+#[test]
+fn hang() {
+    let mut cloth = rectangle(1.2, 1.5, 48, 60, &Fabric::COTTON_POPLIN);
+    cloth.air = Some(Air::default());
+    pin_top(&mut cloth, (0..=48).step_by(8));
+    for second in 0..6 {
+        run(&mut cloth, 1.0);
+        println!("hang {second} fastest {:?} rms {} taken {}", fastest(&cloth), measure::rms_speed(&cloth.topology, &cloth.particles), cloth.pace.taken());
+    }
+}

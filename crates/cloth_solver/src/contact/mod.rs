@@ -24,7 +24,7 @@ use crate::tick::Substep;
 use near::Near;
 use patch::Patch;
 use respond::Answer;
-use crate::{Fabric, Motion, Particles, Soa3, Topology};
+use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
 #[derive(Clone, Debug)]
@@ -53,11 +53,29 @@ pub struct Contacts {
     pub deepest: f32,
     near: Near,
     patch: Patch,
+    /// While the cloth leaves a solid that it was deep inside of.
+    leaving: Option<Leaving>,
 }
 
 /// A particle found inside a collider leaves it at this speed, m/s: one that was spawned inside, or that a collider was
 /// put over. What enters during a substep is put back at once.
 pub const DEPENETRATION_SPEED: f32 = 3.0;
+
+/// How cloth leaves a solid that it was put into, or that was put over it.
+#[derive(Clone, Copy, Debug)]
+struct Leaving {
+    /// Kinetic energy at the end of the last substep, J.
+    energy: f64,
+    /// For how long it has gained no more than its weight gives it, s.
+    calm: f32,
+}
+
+/// How long cloth that has left a solid must have gained nothing but what its weight gives it, s, until what it was pressed into on its
+/// way has come apart.
+const CALM: f32 = 0.1;
+
+/// Cloth with a particle deeper inside a solid than this, m, is not where it can be: it was put there, or a solid over it.
+const DEEP: f32 = 0.01;
 
 impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness.
@@ -116,7 +134,9 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     if contacts.colliders.is_empty() {
         return;
     }
+    let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
     let Contacts { offset, edge, colliders, near, patch, .. } = contacts;
+    let mut buried = 0.0_f32;
     let extent = near.advance(topology, particles, colliders.len(), *edge);
     for (which, collider) in colliders.iter().enumerate() {
         let poses = [sub.start, sub.end].map(|time| collider.motion.at(time));
@@ -132,6 +152,27 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         };
         contacts.touching += found.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
+        buried = buried.max(found.buried);
+    }
+    let calm = if buried > DEEP { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
+    contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
+}
+
+impl Leaving {
+    /// Takes from the speed of all particles what they have gained more than their weight gave them in the last `h` s: what is pushed
+    /// out of a solid pushes the rest of the cloth along, through links that know nothing of it, and that is no speed either.
+    /// Tells for how long there was nothing to take, s.
+    fn advance(self, particles: &mut Particles, h: f32) -> f32 {
+        let weight = measure::linear_momentum(particles).dot(particles.acceleration.as_dvec3()) * f64::from(h);
+        let allowed = (self.energy + weight).max(0.0);
+        let now = measure::kinetic_energy(particles);
+        if now <= allowed {
+            return self.calm + h;
+        }
+        let part = (allowed / now).sqrt() as f32;
+        let Soa3 { x, y, z } = &mut particles.velocity;
+        x.iter_mut().chain(y).chain(z).for_each(|v| *v *= part);
+        0.0
     }
 }
 

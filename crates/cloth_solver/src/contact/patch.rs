@@ -51,6 +51,8 @@ pub(super) struct Patch {
     end: Soa3,
     /// How far the deepest was below the distance kept, m.
     pub deepest: f32,
+    /// How deep in the solid the deepest particle was when a stage began, m.
+    buried: f32,
     /// The largest push of the last pass, m.
     pub pushed: f32,
 }
@@ -72,7 +74,7 @@ impl Patch {
         if nearest - farthest > answer.margin + part.longest {
             return Found::default();
         }
-        self.deepest = 0.0;
+        (self.deepest, self.buried) = (0.0, 0.0);
         let stage = if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE };
         let step = (stage * shape.inner_radius()).max(farthest / MOST_STAGES);
         if farthest <= step {
@@ -81,7 +83,8 @@ impl Patch {
             self.advance(part, shape, answer, farthest, step);
         }
         dispatch!(*LEVEL, simd => self.scatter(simd, particles, part, frames, h));
-        Found { touching: self.touched.iter().map(|touched| u32::from(*touched)).sum(), deepest: self.deepest }
+        let touching = self.touched.iter().map(|touched| u32::from(*touched)).sum();
+        Found { touching, deepest: self.deepest, buried: self.buried }
     }
 
     /// Takes the substep in stages.
@@ -182,7 +185,7 @@ impl Patch {
     #[inline(always)]
     fn meet_particles<S: Simd>(&mut self, simd: S, shape: &Shape, answer: &Answer) {
         let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
-        let mut deepest = zero;
+        let (mut deepest, mut buried) = (zero, zero);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
             let free = load(simd, &self.inverse_mass, i).simd_gt(zero);
@@ -200,6 +203,7 @@ impl Patch {
             (Vec3x8::load(simd, &self.way, i) + met.slip - slip).store(&mut self.way, i);
             met.slip.store(&mut self.slip, i);
             deepest = deepest.max(met.depth);
+            buried = buried.max(met.buried);
             let mut hit = met.hit.to_bitmask();
             while hit != 0 {
                 self.touched[i + hit.trailing_zeros() as usize] = true;
@@ -207,6 +211,7 @@ impl Patch {
             }
         }
         self.deepest = self.deepest.max(deepest.reduce_max());
+        self.buried = self.buried.max(buried.reduce_max());
     }
 
     /// Puts back what touched.

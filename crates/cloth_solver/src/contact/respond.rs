@@ -13,6 +13,8 @@ use crate::{Particles, Pose};
 pub(super) struct Found {
     pub touching: u32,
     pub deepest: f32,
+    /// How deep in the solid the deepest particle was when the substep began, m.
+    pub buried: f32,
 }
 
 /// How a contact answers, the same for all of one collider in one substep, or a part of one.
@@ -62,6 +64,8 @@ pub(super) struct Met<S: Simd> {
     pub hit: mask32x8<S>,
     /// How far those were below the distance kept, m; 0 of the others.
     pub depth: f32x8<S>,
+    /// How deep in the solid they were when the substep began, m; 0 if outside.
+    pub buried: f32x8<S>,
 }
 
 /// Puts particles that are nearer than the distance kept back to the surface where they came through it, and takes their velocity
@@ -108,6 +112,7 @@ pub(super) fn meet<S: Simd>(
         slip: select(hit, select(buried, still, left), slip),
         hit,
         depth: hit.select(depth, zero),
+        buried: hit.select((-distance_before).max(zero), zero),
     }
 }
 
@@ -145,6 +150,7 @@ pub(super) fn respond<S: Simd>(
         select(met.hit, left, v).store(velocity, i);
         found.touching += met.hit.to_bitmask().count_ones();
         found.deepest = found.deepest.max(met.depth.reduce_max());
+        found.buried = found.buried.max(met.buried.reduce_max());
     }
     found
 }

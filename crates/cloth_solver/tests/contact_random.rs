@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::forces::Air;
 use cloth_solver::topology::MeshSource;
-use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology};
+use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology, measure};
 use common::*;
 use glam::{Quat, Vec2, Vec3};
 
@@ -174,10 +175,6 @@ fn strike(kind: Thing, sheet_kind: Sheet, is_mesh: bool, seed: u64) -> (f32, Out
             let (from, to) = (triangle.map(|slot| before[slot as usize]), triangle.map(now));
             let passed = core.iter().filter(|core| passes(from.map(|p| p - **core), to.map(|p| p - **core)));
             let count = passed.count() as u32;
-            if count > 0 && outcome.passes < 3 && std::env::var("DBG").is_ok() {
-                let size = |v: Vec3| shape.distance_and_normal(v).0;
-                println!("pass at {at}: {triangle:?} from {from:?} {:?} to {to:?} {:?} middles {:?} {:?} touching {} deepest {}", from.map(size), to.map(size), [0,1,2].map(|i| size(0.5*(from[i]+from[(i+1)%3]))), [0,1,2].map(|i| size(0.5*(to[i]+to[(i+1)%3]))), cloth.contacts.touching, cloth.contacts.deepest);
-            }
             outcome.passes += count;
         }
         for slot in cloth.topology.particles() {
@@ -223,15 +220,26 @@ fn nothing_passes_a_sheet_at_any_speed() {
 #[test]
 #[ignore = "minutes"]
 fn nothing_passes_a_sheet_at_any_speed_in_a_thousand_trials() {
-    let failures = trials(std::env::var("TRIALS").ok().and_then(|count| count.parse().ok()).unwrap_or(84));
+    let failures = trials(84);
     assert!(failures.is_empty(), "{} fail: {failures:#?}", failures.len());
 }
 
 #[test]
-#[ignore = "probe"]
-fn one() {
-    for (kind, sheet, seed) in [(Thing::Apex, Sheet::Hanging, 2), (Thing::Apex, Sheet::Thrown, 1)] {
-        let (speed, outcome) = strike(kind, sheet, seed % 2 == 1, seed);
-        println!("{kind:?} {sheet:?} {speed} {} {}", outcome.passes, outcome.fastest);
+fn a_curtain_reset_into_the_floor_leaves_it_slowly_and_rests() {
+    for below in [0.3_f32, 0.6, 1.0] {
+        let mut cloth = rectangle(1.2, 1.5, 48, 60, &Fabric::COTTON_POPLIN);
+        cloth.air = Some(Air::default());
+        pin_top(&mut cloth, (0..=48).step_by(8));
+        cloth.contacts.set_colliders([collider(Shape::HalfSpace, Vec3::Y * (below - 0.75), Quat::IDENTITY, 0.3)]);
+        let mut fastest = 0.0_f32;
+        for _ in 0..300 {
+            let before = positions(&cloth);
+            cloth.step(TICK, GRAVITY);
+            let moved = positions(&cloth).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            fastest = fastest.max(moved / TICK.dt);
+        }
+        assert!(fastest < 3.5, "{fastest} m/s out of a floor {below} m above its hem");
+        let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
+        assert!(speed < 0.03, "{speed} m/s 5 s later");
     }
 }

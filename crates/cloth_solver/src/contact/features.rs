@@ -70,7 +70,9 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
             }
             Shape::Convex(hull) => {
                 let nearest = |points, reach| triangle_and_corners(hull, points, reach);
-                let inside = |points| triangle_around_corner(hull, points, margin).or_else(|| triangle_over_corners(hull, points, margin));
+                let inside = |points| {
+                    triangle_around_corner(hull, points, margin).or_else(|| triangle_over_corners(hull, points, margin))
+                };
                 touch(patch, triangle, margin, nearest, inside, shape, answer);
             }
         }
@@ -96,12 +98,19 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
 }
 
 /// Whether all of these are beyond a plane that the whole collider is on the other side of.
+#[inline(always)]
 fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) -> bool {
-    let points = corners.map(|i| patch.now.get(i));
-    corners.iter().any(|i| {
-        let (normal, height) = (patch.normal.get(*i), patch.height[*i] + BEYOND * margin);
-        points.iter().all(|p| normal.dot(*p) >= height)
-    })
+    for i in corners {
+        let (normal, height) = (patch.normal.get(i), patch.height[i] + BEYOND * margin);
+        let mut all = true;
+        for j in corners {
+            all &= normal.dot(patch.now.get(j)) >= height;
+        }
+        if all {
+            return true;
+        }
+    }
+    false
 }
 
 /// Finds whether and where these come nearer than `keep` to what `nearest` finds next to them within a reach, and answers. What
@@ -295,7 +304,8 @@ fn edge_over_edges(hull: &ConvexHull, ends: [Vec3; 2], margin: f32) -> Option<(P
         let depth = margin + normal.dot(between);
         if depth > 0.0 && depth < most_depth {
             most_depth = depth;
-            least = Some((Pair { weights: [1.0 - s, s], core: a + ridge * t, normal, distance: margin - depth }, depth));
+            least =
+                Some((Pair { weights: [1.0 - s, s], core: a + ridge * t, normal, distance: margin - depth }, depth));
         }
     }
     least
@@ -331,7 +341,12 @@ fn push<const N: usize>(
     for i in 0..N {
         let (corner, share) = (corners[i], patch.inverse_mass[corners[i]] * weights[i] / inertia);
         if share > 0.0 {
-            for (of, by) in [(&mut patch.now, shift), (&mut patch.shift, shift), (&mut patch.way, change), (&mut patch.slip, change)] {
+            for (of, by) in [
+                (&mut patch.now, shift),
+                (&mut patch.shift, shift),
+                (&mut patch.way, change),
+                (&mut patch.slip, change),
+            ] {
                 of.set(corner, of.get(corner) + by * share);
             }
             patch.touched[corner] = true;

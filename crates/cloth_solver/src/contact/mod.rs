@@ -21,10 +21,10 @@ use glam::Vec3;
 
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
 use crate::tick::Substep;
+use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
 use near::Near;
 use patch::Patch;
 use respond::Answer;
-use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
 #[derive(Clone, Debug)]
@@ -74,8 +74,8 @@ struct Leaving {
 /// way has come apart.
 const CALM: f32 = 0.1;
 
-/// Cloth with a particle deeper inside a solid than this, m, is not where it can be: it was put there, or a solid over it.
-const DEEP: f32 = 0.01;
+/// Cloth with a particle deeper inside a solid than that many mean edges is not where it can be: it was put there, or a solid over it.
+const DEEP: f32 = 1.0;
 
 impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness.
@@ -154,7 +154,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         contacts.deepest = contacts.deepest.max(found.deepest);
         buried = buried.max(found.buried);
     }
-    let calm = if buried > DEEP { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
+    let calm = if buried > DEEP * *edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }
 

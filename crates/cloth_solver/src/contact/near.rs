@@ -103,9 +103,8 @@ impl Near {
         let Self { anchor, room, parts, beyond, number, .. } = self;
         let part = &mut parts[which];
         let arm = shape.bounding_radius() + *room;
-        let moves = |from: Pose, to: Pose| {
-            from.position.distance(to.position) + arm * from.rotation.angle_between(to.rotation)
-        };
+        let moves =
+            |from: Pose, to: Pose| from.position.distance(to.position) + arm * from.rotation.angle_between(to.rotation);
         let bounds = shape.bounds();
         let is_good = |made: Pose| part.bounds == bounds && poses.iter().all(|pose| moves(made, *pose) <= part.room);
         if !part.made.is_some_and(is_good) {

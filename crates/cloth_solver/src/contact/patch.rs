@@ -23,8 +23,8 @@ const STAGE_OF_EDGES: f32 = 0.03;
 /// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
 const MOST_STAGES: f32 = 500.0;
 
-/// Passes over triangles and edges in one stage at most. Cloth that lies still takes one.
-const MOST_PASSES: u32 = 8;
+/// Passes over particles, triangles and edges in each of several stages, at most; what moves so little that one stage does takes one.
+const MOST_PASSES: u32 = 4;
 
 /// Working memory: particles in the frame of a collider, in the order of [`Part::slots`], and padding.
 #[derive(Clone, Debug, Default)]
@@ -78,7 +78,7 @@ impl Patch {
         let stage = if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE };
         let step = (stage * shape.inner_radius()).max(farthest / MOST_STAGES);
         if farthest <= step {
-            self.meet(part, shape, answer);
+            self.meet(part, shape, answer, 1);
         } else {
             self.advance(part, shape, answer, farthest, step);
         }
@@ -97,7 +97,7 @@ impl Patch {
             let stage = (step.max(clear) / farthest).min(1.0 - at);
             self.before.copy_from(&self.now);
             add(&mut self.now, &self.way, stage);
-            self.meet(part, shape, &answer.in_part(stage));
+            self.meet(part, shape, &answer.in_part(stage), MOST_PASSES);
             at += stage;
         }
         self.shift.copy_from(&self.now);
@@ -105,8 +105,8 @@ impl Patch {
     }
 
     /// One stage: particles, then triangles, then edges.
-    fn meet(&mut self, part: &Part, shape: &Shape, answer: &Answer) {
-        for _ in 0..MOST_PASSES {
+    fn meet(&mut self, part: &Part, shape: &Shape, answer: &Answer, passes: u32) {
+        for _ in 0..passes {
             dispatch!(*LEVEL, simd => self.meet_particles(simd, shape, answer));
             self.pushed = 0.0;
             features::meet(self, part, shape, answer);
@@ -139,18 +139,20 @@ impl Patch {
             let now = to.inverse_point(simd, x);
             let before = from.inverse_point(simd, vector(&particles.previous));
             let way = now - before;
-            let slip = from.inverse_direction(simd, vector(&particles.velocity) * step) + (now - from.inverse_point(simd, x));
+            let slip =
+                from.inverse_direction(simd, vector(&particles.velocity) * step) + (now - from.inverse_point(simd, x));
             let i = group * LANES;
             now.store(&mut self.now, i);
             before.store(&mut self.before, i);
             way.store(&mut self.way, i);
             slip.store(&mut self.slip, i);
             for lane in 0..LANES {
-                self.inverse_mass[i + lane] = slots.get(lane).map_or(0.0, |slot| particles.inverse_mass[*slot as usize]);
+                self.inverse_mass[i + lane] =
+                    slots.get(lane).map_or(0.0, |slot| particles.inverse_mass[*slot as usize]);
             }
             farthest = farthest.max(way.dot(way));
-            let (distance, _) = distance_and_normal(simd, shape, now, splat(simd, 0.0), splat(simd, 0.0).simd_ge(splat(simd, 0.0)));
-            nearest = nearest.min(distance);
+            let zero = splat(simd, 0.0);
+            nearest = nearest.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
         }
         (farthest.reduce_max().sqrt(), nearest.reduce_min())
     }
@@ -170,7 +172,7 @@ impl Patch {
         self.touched.resize(slots, false);
     }
 
-    /// The least distance of any particle from the collider, m; also finds the planes.
+    /// The least distance of any particle from the collider, m.
     #[inline(always)]
     fn distances<S: Simd>(&mut self, simd: S, shape: &Shape) -> f32 {
         let zero = splat(simd, 0.0);
@@ -227,7 +229,8 @@ impl Patch {
             let slip = Vec3x8::load(simd, &self.slip, i);
             let velocity = (from.direction(simd, slip) + (to.point(simd, now) - from.point(simd, now))) * per_step;
             let shift = to.direction(simd, Vec3x8::load(simd, &self.shift, i));
-            let [shift, velocity] = [shift, velocity].map(|v| -> [[f32; LANES]; 3] { [v.x.into(), v.y.into(), v.z.into()] });
+            let [shift, velocity] =
+                [shift, velocity].map(|v| -> [[f32; LANES]; 3] { [v.x.into(), v.y.into(), v.z.into()] });
             for (lane, slot) in slots.iter().enumerate().filter(|(lane, _)| self.touched[i + lane]) {
                 let at = |v: [[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
                 let slot = *slot as usize;

@@ -119,9 +119,10 @@ impl Shape {
                 let high = Vec3::new(*radius, radius + half_length, *radius);
                 [-high, high]
             }
-            Self::Convex(hull) => hull.corners.iter().fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| {
-                [low.min(*corner), high.max(*corner)]
-            }),
+            Self::Convex(hull) => hull
+                .corners
+                .iter()
+                .fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| [low.min(*corner), high.max(*corner)]),
             Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
         }
     }

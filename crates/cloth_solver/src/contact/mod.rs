@@ -1,4 +1,6 @@
-//! Colliders against the particles of a cloth: culling, push-out, friction.
+//! Colliders against the particles, triangles and edges of a cloth: culling, push-out, friction.
+//!
+//! Each collider is met in its own frame, by the part of the cloth that is near it; ground by the particles alone.
 //!
 //! Contact comes last in a substep, after velocities are taken from the change of position: a push out of a collider
 //! then never becomes velocity. What velocity there is into the surface is removed, and Coulomb friction takes from
@@ -47,9 +49,9 @@ pub struct Contacts {
     pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
     pub colliders: Vec<Collider>,
-    /// Contacts between a particle and a collider in the last substep.
+    /// How many particles touched a collider in the last substep, themselves or by a triangle or edge of theirs; once for each.
     pub touching: u32,
-    /// How far the deepest particle was below the offset before it was pushed out in the last substep, m.
+    /// How far the deepest point of the cloth was below the offset before it was pushed out in the last substep, m.
     pub deepest: f32,
     near: Near,
     patch: Patch,

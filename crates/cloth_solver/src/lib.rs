@@ -4,6 +4,7 @@
 //! [`Cloth::step`]; an engine that wants its own systems between the phases calls them itself:
 //! [`tick::Pace`], [`method::integrate`], [`method::solve`], [`method::accept`], [`contact::collide`].
 
+pub(crate) mod batch;
 pub mod cloth;
 pub mod constraint;
 pub mod contact;

@@ -94,6 +94,8 @@ pub struct Effort {
     pub mean_load: f32,
     /// The largest change of a link (stretch and turn) in rest lengths.
     pub motion: f32,
+    /// Whether a link turned by 60° and more: pulls along such links are the only ones that have a moment.
+    pub turned: bool,
 }
 
 /// Divides the ticks of one cloth into substeps: as many as its load and its motion ask for.
@@ -105,10 +107,11 @@ pub struct Pace {
     at: f32,
     /// Substeps taken in this tick, those that were repeated included.
     taken: u32,
-    /// Whether forces are smoothed for a shorter substep, while the cloth is in violent motion.
-    storm: bool,
-    /// For how long it has been in violent motion rather than not, s, up to [`PATIENCE`].
-    stormy: f32,
+    /// How many times shorter than by the least number of substeps the substep is that forces are smoothed for, a power of [`STEP`];
+    /// below 1 before the first substep.
+    shorter: f32,
+    /// For how long it should have been shorter than that, s; below 0 longer.
+    due: f32,
     /// Length of the last substep that was accepted, s; 0 before the first.
     last: f32,
 }
@@ -125,13 +128,13 @@ const TOLERANCE: f32 = 1.3;
 /// What is left of the number of substeps asked for after a substep in which fewer would have done.
 const FADE: f32 = 0.98;
 
-/// More than so many times the least number of substeps is violent motion.
-const STORM: f32 = 1.6;
+/// Forces are smoothed for a substep so many times shorter where more than so many times as many substeps are asked for.
+const STEP: f32 = 1.6;
 
-/// Of violent motion forces are smoothed for a substep that many times shorter than the longest.
-const SHORTER: f32 = 3.0;
+/// And for the longer one again where no more than this part of them is.
+const CALM: f32 = 0.8;
 
-/// How long it has to be so, s, before forces are smoothed for a shorter substep, and how long not before for the longer one again.
+/// How long it has to be so, s.
 const PATIENCE: f32 = 0.25;
 
 impl Pace {
@@ -149,10 +152,12 @@ impl Pace {
         }
         let [least, most] = tick.range();
         // A thousandth: what is left but for rounding needs no substep of its own.
-        let left = ((1.0 - self.at) * self.asked.clamp(least, most) - 1e-3).ceil().max(1.0);
+        let floor = (least * self.shorter).clamp(least, most);
+        let left = ((1.0 - self.at) * self.asked.clamp(floor, most) - 1e-3).ceil().max(1.0);
         let end = if left == 1.0 { 1.0 } else { self.at + (1.0 - self.at) / left };
         let h = tick.dt * (1.0 - self.at) / left;
-        let longest = tick.dt / if self.storm { (SHORTER * least).min(most) } else { least };
+        // Not the shortest that this tick takes: a change of stiffness adds energy or takes some.
+        let longest = (tick.dt / floor).max(h);
         let kick = 0.5 * (h + self.last);
         Some(Substep { h, kick, longest: longest.max(h), start: self.at, end, iterations: tick.iterations.max(1) })
     }
@@ -170,10 +175,17 @@ impl Pace {
         }
         self.asked = asked.max(FADE * self.asked);
         (self.at, self.last) = (sub.end, sub.h);
-        // A change of stiffness adds energy or takes some: it must be rare.
-        let stormy = self.asked > STORM * least;
-        self.stormy = (self.stormy + if stormy { sub.h } else { -sub.h }).clamp(0.0, PATIENCE);
-        self.storm = if self.storm { self.stormy > 0.0 } else { self.stormy >= PATIENCE };
+        self.shorter = self.shorter.max(1.0);
+        let floor = least * self.shorter;
+        if self.asked > STEP * floor {
+            self.due += sub.h;
+        } else if self.asked < CALM * floor && self.shorter > 1.0 {
+            self.due -= sub.h;
+        }
+        if self.due.abs() > PATIENCE {
+            self.shorter = (self.shorter * if self.due > 0.0 { STEP } else { 1.0 / STEP }).max(1.0);
+            self.due = 0.0;
+        }
         true
     }
 

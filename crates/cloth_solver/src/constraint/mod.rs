@@ -1,30 +1,16 @@
-//! The constraints of one cloth, one file per kind, and the order in which a substep solves them.
+//! The constraints of one cloth, and the order in which a substep solves them.
+//!
+//! [`kernel`] has the laws, one to a file; [`surface`] what owns them: a grid, any other mesh, what was taken apart; [`hold`] what holds
+//! cloth; [`tension`] is read off, [`wear`] is what damage does.
 
-pub(crate) mod batch;
-mod bending;
-mod cells;
-mod damping;
-mod force;
-mod grab;
-mod grid;
-mod hinges;
-mod lines;
-mod listed;
-mod mesh;
-mod mesh_shear;
-mod nudge;
-mod patch;
-mod pin;
-mod shear;
-mod strips;
-mod sweep;
+mod hold;
+mod kernel;
+mod surface;
 mod tension;
-mod tether;
-mod triangles;
 mod wear;
 
-pub use grab::Grab;
-pub use pin::{Pin, Pins};
+pub use hold::grab::Grab;
+pub use hold::pin::{Pin, Pins};
 pub use tension::{Sums, Tensions};
 pub use wear::Wear;
 
@@ -34,10 +20,13 @@ use crate::lanes::LEVEL;
 use crate::method::Method;
 use crate::tick::{Effort, Substep, Tick};
 use crate::topology::{Along, Change, Pieces};
-use crate::{ClothError, Fabric, Particles, Soa3, Topology};
-use grid::{GridConstraints, Sweep};
-use mesh::MeshConstraints;
-use tether::Tethers;
+use crate::{ClothError, Fabric, Particles, Soa3, Topology, measure};
+use hold::tether::Tethers;
+use kernel::links::New;
+use kernel::rigid;
+use surface::grid::{GridConstraints, Sweep};
+use surface::mesh::MeshConstraints;
+use surface::{Surface, force, nudge};
 
 /// The constraints of one cloth and the working memory to solve them.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
@@ -52,10 +41,12 @@ pub struct Constraints {
     damping: f32,
     /// What the cloth consists of, if it is more than one piece.
     pieces: Option<Pieces>,
-    bodies: Vec<damping::Body>,
+    bodies: Vec<rigid::Body>,
     method: Method,
     /// How worn the fabric is, if it is.
     worn: Option<wear::Kept>,
+    /// [`Effort::turned`] of the last substep.
+    turned: bool,
     /// [`Substep::square`] of the last substep that was accepted, s².
     square: f32,
     /// Working memory of the methods that step forces.
@@ -66,15 +57,6 @@ pub struct Constraints {
 /// paper, nothing would stand against folds from cell to cell.
 const STIFFEST_BENDING: f32 = 100.0;
 const STIFFEST_SHEAR: f32 = 1000.0;
-
-/// What keeps the fabric together.
-#[derive(Clone, Debug, Default)]
-enum Surface {
-    #[default]
-    Empty,
-    Grid(Box<GridConstraints>),
-    Mesh(Box<MeshConstraints>),
-}
 
 impl Constraints {
     /// All constraints of a cloth of `fabric` over `topology`; no pins, no grabs, no tethers.
@@ -217,7 +199,7 @@ impl Constraints {
     /// Adds the forces of all energies at `position` to `force`, N.
     pub(crate) fn add_forces(&self, position: &Soa3, force: &mut Soa3) {
         match &self.worn {
-            None => self.add_forces_in(wear::New, position, force),
+            None => self.add_forces_in(New, position, force),
             Some(worn) => self.add_forces_in(worn.wear(), position, force),
         }
     }
@@ -269,6 +251,9 @@ impl Constraints {
     pub(crate) fn solve(&mut self, particles: &mut Particles, sub: &Substep) -> Effort {
         let compliant = Sweep::Compliant(*sub);
         let mut effort = Effort::default();
+        if self.turned {
+            rigid::note(particles, self.pieces.as_ref(), &mut self.bodies);
+        }
         match (&mut self.surface, self.method) {
             (Surface::Empty, _) => {}
             (Surface::Grid(grid), Method::XpbdSweeps) => {
@@ -289,6 +274,17 @@ impl Constraints {
         }
         if let Some(tethers) = &self.tethers {
             tethers.solve(particles);
+        }
+        let was_noted = std::mem::replace(&mut self.turned, effort.turned);
+        if effort.turned && !was_noted {
+            // Once more, and this time it is known what momentum to keep.
+            crate::method::integrate(particles, self, sub);
+            return self.solve(particles, sub);
+        }
+        if was_noted {
+            let pinned = self.pins.pins.iter().map(|pin| pin.particle);
+            let held: Vec<u32> = pinned.chain(self.grabs.iter().flat_map(|grab| grab.particles)).collect();
+            rigid::keep(particles, self.pieces.as_ref(), &held, &mut self.bodies);
         }
         // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
         for grab in &self.grabs {
@@ -316,7 +312,46 @@ impl Constraints {
     pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
             let (pieces, pins, bodies, rate) = (self.pieces.as_ref(), &self.pins, &mut self.bodies, self.damping);
-            dispatch!(*LEVEL, simd => damping::damp(simd, particles, pieces, pins, bodies, rate, dt));
+            dispatch!(*LEVEL, simd => rigid::damp(simd, particles, pieces, pins, bodies, rate, dt));
+        }
+    }
+
+    /// Finds the tension at each slot at the end of the last substep. From the multipliers where the method keeps
+    /// them, else from the strains.
+    pub(crate) fn tensions(&mut self, topology: &Topology, particles: &Particles, to: &mut Tensions) {
+        to.clear(topology.slots());
+        // Before the first substep there are no multipliers.
+        let square = if self.square > 0.0 { self.square } else { 1.0 };
+        match (&mut self.surface, self.method) {
+            (Surface::Grid(grid), Method::XpbdLines) => {
+                let spacing = grid.grid.spacing;
+                for (along, across) in [(Along::Weft, spacing.y), (Along::Warp, spacing.x)] {
+                    let scale = -1.0 / (square * across);
+                    dispatch!(*LEVEL, simd => grid.add_tensions(simd, along, scale, to.of(along)));
+                }
+                if let Some(triangles) = grid.patch.as_mut().and_then(|patch| patch.triangles_mut()) {
+                    triangles.add_tensions(square, to);
+                }
+            }
+            (Surface::Mesh(mesh), method) if !method.steps_forces() && method != Method::Pbd => {
+                mesh.add_tensions(square, to);
+            }
+            (Surface::Grid(_) | Surface::Mesh(_), _) => self.strains(topology, particles, to),
+            (Surface::Empty, _) => {}
+        }
+    }
+
+    fn strains(&self, topology: &Topology, particles: &Particles, to: &mut Tensions) {
+        let fabric = match &self.surface {
+            Surface::Grid(grid) => grid.fabric,
+            Surface::Mesh(mesh) => mesh.fabric,
+            Surface::Empty => return,
+        };
+        let stiffness = [fabric.stretch_weft, fabric.stretch_warp];
+        for (slots, along, strain) in measure::threads_and_strains(topology, particles) {
+            for slot in slots {
+                to.add(along, slot, stiffness[along as usize] * strain, 1.0);
+            }
         }
     }
 }

@@ -1,93 +1,9 @@
-//! What became of the links of a block of runs: factors on their compliance and on their rest length.
+//! What became of the fabric: factors on the stiffness and the rest length around each particle.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
-
-use super::lines::Block;
+use super::kernel::links::{Block, GONE, New, Worn};
 use crate::Grid;
-use crate::lanes::{LANES, load};
+use crate::lanes::LANES;
 use crate::topology::Along;
-
-/// The factor on the compliance of a link that is not there: so soft that its multiplier vanishes, and the systems of its
-/// run keep their shape.
-pub(super) const GONE: f32 = 1e25;
-
-/// What the kernels ask of the links of a block. Two kinds, so that what is not worn pays nothing.
-pub(crate) trait Links: Copy {
-    /// `compliance` of link `k` as worn.
-    fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S>;
-    /// `rest` of link `k` as worn.
-    fn rest<S: Simd>(self, simd: S, k: usize, rest: f32x8<S>) -> f32x8<S>;
-    /// `compliance` of the bend over the links `k − 1` and `k`, as the worse of them is worn.
-    fn bend<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S>;
-    /// For [`super::lines::Block::every_second`].
-    fn every_second(self, from: usize) -> Self;
-}
-
-/// Links as they were made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct New;
-
-impl Links for New {
-    #[inline(always)]
-    fn compliance<S: Simd>(self, _: S, _: usize, compliance: f32x8<S>) -> f32x8<S> {
-        compliance
-    }
-
-    #[inline(always)]
-    fn rest<S: Simd>(self, _: S, _: usize, rest: f32x8<S>) -> f32x8<S> {
-        rest
-    }
-
-    #[inline(always)]
-    fn bend<S: Simd>(self, _: S, _: usize, compliance: f32x8<S>) -> f32x8<S> {
-        compliance
-    }
-
-    fn every_second(self, _: usize) -> Self {
-        self
-    }
-}
-
-/// Links with factors on compliance and rest length, eight lanes per link.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Worn<'a> {
-    compliance: &'a [f32],
-    rest: &'a [f32],
-    /// Link `k` stands for the links from `first + k * step` on, `step` in number.
-    first: usize,
-    step: usize,
-}
-
-impl<'a> Worn<'a> {
-    pub const fn new(compliance: &'a [f32], rest: &'a [f32]) -> Self {
-        Self { compliance, rest, first: 0, step: 1 }
-    }
-}
-
-impl Links for Worn<'_> {
-    #[inline(always)]
-    fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S> {
-        let at = (self.first + k * self.step) * LANES;
-        let one = load(simd, self.compliance, at);
-        compliance * if self.step == 2 { one.max(load(simd, self.compliance, at + LANES)) } else { one }
-    }
-
-    #[inline(always)]
-    fn rest<S: Simd>(self, simd: S, k: usize, rest: f32x8<S>) -> f32x8<S> {
-        rest * load(simd, self.rest, (self.first + k * self.step) * LANES)
-    }
-
-    #[inline(always)]
-    fn bend<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S> {
-        let (before, after) = (load(simd, self.compliance, (k - 1) * LANES), load(simd, self.compliance, k * LANES));
-        compliance * before.max(after)
-    }
-
-    fn every_second(self, from: usize) -> Self {
-        Self { first: from, step: 2, ..self }
-    }
-}
 
 /// What wear does to the particles of a cloth, one number per slot.
 #[derive(Clone, Copy, Debug)]

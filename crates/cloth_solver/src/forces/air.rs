@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 
-use crate::constraint::batch::{gather, gather3};
+use crate::batch::{gather, gather3};
 use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
 use crate::{ClothError, Grid, Particles, Soa3, Substep, Topology};
 

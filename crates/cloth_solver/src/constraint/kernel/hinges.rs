@@ -6,7 +6,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{Batches, gather, gather3, scatter3};
+use crate::batch::{Batches, gather, gather3, scatter3};
 use crate::lanes::{LANES, Vec3x8, splat};
 use crate::{Fabric, Particles, Substep, Topology};
 

@@ -5,25 +5,26 @@ mod sweep;
 
 use fearless_simd::{Simd, f32x8};
 
-use super::cells::{CellModel, CellRows, Cells, ShearModel};
-use super::force::Woven;
-use super::lines::{self, Bend, Block, Elimination, Links8, Rows};
-use super::listed::Work;
-use super::patch::Patch;
-use super::shear::Stress;
-use super::sweep::Compliance;
-use super::tension::Sums;
-use super::wear::{Wear, Worn, WornGrid};
+use crate::constraint::kernel::cells::{CellModel, CellRows, Cells, ShearModel};
+use crate::constraint::kernel::lines::{self, Bend, Elimination, Links8, Rows};
+use crate::constraint::kernel::links::{Block, Worn};
+use crate::constraint::kernel::shear::Stress;
+use crate::constraint::kernel::sweep::Compliance;
+use crate::constraint::surface::force::Woven;
+use crate::constraint::surface::listed::Work;
+use crate::constraint::surface::passes::Passes;
+use crate::constraint::surface::patch::Patch;
+use crate::constraint::tension::Sums;
+use crate::constraint::wear::{self, Wear, WornGrid};
 use crate::lanes::{LANES, load, splat, store};
 use crate::topology::Along;
 use crate::{Fabric, Grid, Particles, Soa3, Substep, Topology};
 
-pub(super) use solve::{CLOSE, MOST_PASSES, PASSES, QUIET, SETTLED};
-pub(super) use sweep::Sweep;
+pub(in crate::constraint) use sweep::Sweep;
 
 /// How runs of one spacing wide resist in a substep, and their spacing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stiffness {
+pub(in crate::constraint) struct Stiffness {
     /// α̃ of the links, l/(Y width kick h), 1/kg.
     pub stretch: f32,
     /// α̃ of the bends, l³/(D width H²), 1/kg, H the longest substep; `None` if the fabric does not resist bending.
@@ -65,7 +66,7 @@ impl Stiffness {
 
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
 #[derive(Clone, Debug)]
-pub(super) struct GridConstraints {
+pub(in crate::constraint) struct GridConstraints {
     pub grid: Grid,
     pub fabric: Fabric,
     /// The root of the factor on the stiffness of each cell, per slot of its upper left corner: 0 where none is.
@@ -87,8 +88,7 @@ pub(super) struct GridConstraints {
     cell_rows: CellRows,
     /// For what was taken apart.
     work: Work,
-    /// Whether the last pass over the rows that was not the first of its substep had next to nothing left to do.
-    settled: bool,
+    passes: Passes,
 }
 
 /// Rows in lanes.
@@ -136,7 +136,7 @@ impl GridConstraints {
             rows: RowLanes::new(&grid),
             cell_rows: CellRows::new(stride),
             work: Work::new(rows.max(columns)),
-            settled: false,
+            passes: Passes::default(),
         }
     }
 
@@ -201,7 +201,7 @@ impl GridConstraints {
         };
         let regular = (0..runs).filter(move |run| self.is_regular(along, *run as usize)).flat_map(move |run| {
             (0..count - 1).map(move |k| {
-                let lambda = of[super::wear::index(run as usize, count as usize, k as usize)];
+                let lambda = of[wear::index(run as usize, count as usize, k as usize)];
                 ([slot(run, k), slot(run, k + 1)], lambda, 1.0 / width[run as usize])
             })
         });

@@ -3,32 +3,19 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::super::cells::{CellForces, CellModel, ShearModel};
-use super::super::lines::{self, Met};
-use super::super::shear::Sheet;
-use super::super::wear::New;
 use super::{GridConstraints, RowLanes, Stiffness, column_block, gather, is_block, row_block, scatter, worn};
+use crate::constraint::kernel::cells::{CellForces, CellModel, ShearModel};
+use crate::constraint::kernel::lines::{self, Met};
+use crate::constraint::kernel::links::{Block, New, Worn};
+use crate::constraint::kernel::shear::Sheet;
 use crate::lanes::{LANES, load, splat};
 use crate::tick::{Effort, Substep};
 use crate::topology::Along;
 use crate::{Fabric, Particles};
 
-/// The largest T h²/(m l) for which [`lines::filter`] is made.
-const LARGEST_LOAD: f32 = 1.0;
-
-/// Passes over rows and columns in a substep, unless they settle before, and most passes, where the last one still moved a particle
-/// further than [`CLOSE`].
-pub(in super::super) const PASSES: usize = 3;
-pub(in super::super) const MOST_PASSES: usize = 8;
-
-/// See [`PASSES`], in edges.
-pub(in super::super) const CLOSE: f32 = 0.02;
-
-/// A pass that moves no particle further than this, in edges, need not be followed by another one.
-pub(in super::super) const SETTLED: f32 = 5e-4;
-
-/// The change of a link in a substep, in rest lengths, up to which cloth that has settled needs no second pass.
-pub(in super::super) const QUIET: f32 = 0.02;
+/// The largest T h²/(m l) that a substep may have: half of that for which [`lines::filter`] is made, since in crumpled cloth the waves
+/// of shear and bending add to those of tension.
+const LARGEST_LOAD: f32 = 0.5;
 
 impl GridConstraints {
     /// Once in a substep.
@@ -52,23 +39,17 @@ impl GridConstraints {
         if loads[1] > lines::UNFILTERED_LOAD {
             self.filter_columns(simd, particles);
         }
-        if sub.start == 0.0 || met.change.reduce_max() > QUIET * QUIET {
-            self.settled = false;
-        }
-        let load = met.load.reduce_max();
-        for pass in 1..MOST_PASSES {
-            if self.settled {
-                break;
-            }
+        let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
+        self.passes.begin(sub, met.change.reduce_max());
+        let (mut done, mut left) = (1, 0.0);
+        while self.passes.is_due(done, left) {
             let rows = self.solve_rows::<S, false>(simd, particles, stiffness[0]);
             met = rows.and(self.solve_columns::<S, false>(simd, particles, stiffness[1]));
-            let left = rows.left.reduce_max();
-            self.settled = left < SETTLED;
-            if pass + 1 >= PASSES && left < CLOSE {
-                break;
-            }
+            // What this pass over the rows moved is what the columns before had left.
+            left = rows.left.reduce_max();
+            done += 1;
         }
-        Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt() }
+        Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt(), turned }
     }
 
     /// Shear and twist, and whatever is no thread.
@@ -164,10 +145,10 @@ impl GridConstraints {
             let block = row_block(&self.grid, first);
             let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
             gather(simd, &particles.moved, moved, block.base, rows, first);
-            lines::filter(simd, block, position, moved, inverse_mass, &self.weft, elimination);
+            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination);
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
-        if let Some(patch) = &self.patch {
+        if let Some(patch) = &mut self.patch {
             patch.filter(simd, Along::Weft, particles, self.grid.spacing.x, &mut self.work);
         }
     }
@@ -178,10 +159,10 @@ impl GridConstraints {
             if is_block(&self.patch, Along::Warp, base) {
                 let Particles { position, moved, inverse_mass, .. } = &mut *particles;
                 let block = column_block(&self.grid, base);
-                lines::filter(simd, block, position, moved, inverse_mass, &self.warp, &mut self.rows.elimination);
+                lines::filter(simd, block, position, moved, inverse_mass, &mut self.warp, &mut self.rows.elimination);
             }
         }
-        if let Some(patch) = &self.patch {
+        if let Some(patch) = &mut self.patch {
             patch.filter(simd, Along::Warp, particles, self.grid.spacing.y, &mut self.work);
         }
     }
@@ -189,7 +170,7 @@ impl GridConstraints {
 
 /// What a pass works on.
 struct On<'a> {
-    block: lines::Block,
+    block: Block,
     position: &'a crate::Soa3,
     moved: &'a mut crate::Soa3,
     inverse_mass: &'a [f32],
@@ -202,7 +183,7 @@ impl On<'_> {
         simd: S,
         stiffness: Stiffness,
         width: f32x8<S>,
-        worn: Option<super::Worn<'_>>,
+        worn: Option<Worn<'_>>,
         links: &mut lines::Links8,
         work: &mut lines::Elimination,
     ) -> Met<S> {

@@ -5,7 +5,7 @@
 //! so a crushed one is pushed off its plane by next to nothing, the custom of buckling analysis (Koiter 1945), and the
 //! instability does the rest. A flat sheet that is not crushed stays flat; one that is not flat is left alone to the bit.
 
-use super::grid::GridConstraints;
+use crate::constraint::surface::grid::GridConstraints;
 use crate::{Particles, Soa3};
 
 /// Length over rest length of the mean weft or warp edge of a cell below which it counts as crushed: far less than hanging
@@ -16,7 +16,7 @@ const CRUSHED: f32 = 0.7;
 const NUDGE: f32 = 1e-6;
 
 /// Pushes every free particle of a flat and crushed rectangle across its plane, no two neighbours alike.
-pub(super) fn nudge(grid: &GridConstraints, particles: &mut Particles) {
+pub(in crate::constraint) fn nudge(grid: &GridConstraints, particles: &mut Particles) {
     let Particles { position, velocity, inverse_mass, .. } = particles;
     let axes = [(&position.x, &mut velocity.x), (&position.y, &mut velocity.y), (&position.z, &mut velocity.z)];
     // The first particle off the plane of the first ends the search.

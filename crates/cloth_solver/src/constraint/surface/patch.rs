@@ -4,21 +4,21 @@
 
 use fearless_simd::Simd;
 
-use super::batch::Batches;
-use super::cells::{CellModel, ListedCells};
-use super::grid::Stiffness;
-use super::hinges::Hinges;
-use super::lines::Met;
-use super::listed::{Listed, Work, pack};
-use super::triangles::{Of, Triangles};
-use super::wear::Wear;
+use crate::batch::Batches;
+use crate::constraint::kernel::cells::{CellModel, ListedCells};
+use crate::constraint::kernel::hinges::Hinges;
+use crate::constraint::kernel::lines::Met;
+use crate::constraint::kernel::triangles::{Of, Triangles};
+use crate::constraint::surface::grid::Stiffness;
+use crate::constraint::surface::listed::{Listed, Work, pack};
+use crate::constraint::wear::Wear;
 use crate::lanes::LANES;
 use crate::topology::{Along, regular_runs, threads};
 use crate::{Fabric, Grid, Particles, Substep, Topology};
 
 /// What was taken apart.
 #[derive(Clone, Debug)]
-pub(super) struct Patch {
+pub(in crate::constraint) struct Patch {
     weft: Listed8,
     warp: Listed8,
     cells: ListedCells,
@@ -190,10 +190,10 @@ impl Patch {
         }
     }
 
-    /// Waves across the listed threads slowed: see [`super::lines::filter`].
+    /// Waves across the listed threads slowed: see [`crate::constraint::kernel::lines::filter`].
     #[inline(always)]
-    pub fn filter<S: Simd>(&self, simd: S, along: Along, particles: &mut Particles, spacing: f32, work: &mut Work) {
-        for block in &self.listed(along).blocks {
+    pub fn filter<S: Simd>(&mut self, simd: S, along: Along, particles: &mut Particles, spacing: f32, work: &mut Work) {
+        for block in &mut self.listed_mut(along).blocks {
             block.filter(simd, particles, spacing, work);
         }
     }

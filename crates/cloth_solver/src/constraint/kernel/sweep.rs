@@ -3,9 +3,8 @@
 
 use fearless_simd::{Simd, f32x8};
 
-use super::lines::Block;
-use super::wear::{Links, New, Worn};
 use crate::Soa3;
+use crate::constraint::kernel::links::{Block, Links, New, Worn};
 use crate::lanes::{Vec3x8, load, splat};
 use fearless_simd::prelude::*;
 
@@ -14,14 +13,14 @@ const RIGID: f32 = 1e-10;
 
 /// α̃ of eight runs; no bending if the fabric does not resist it.
 #[derive(Clone, Copy)]
-pub(super) struct Compliance<S: Simd> {
+pub(in crate::constraint) struct Compliance<S: Simd> {
     pub stretch: f32x8<S>,
     pub bend: Option<f32x8<S>>,
 }
 
 /// Sweeps eight runs, rigidly without compliance: then distances to the neighbours but one stand against bending.
 #[inline(always)]
-pub(super) fn block<S: Simd>(
+pub(in crate::constraint) fn block<S: Simd>(
     simd: S,
     block: Block,
     position: &Soa3,

@@ -1,14 +1,9 @@
-//! Internal friction: what is not rigid motion of a piece fades (Müller et al. 2007, §3.5), and of a piece that is pinned what is
-//! not the motion of its pins.
-//!
-//! Of what hangs on nothing it takes no momentum, linear or angular: free fall and spin stay. A piece that is held would, without
-//! air, swing for ever about a corner or a line: that is rigid motion, too. Real cloth does not, it rubs where it is held. Local
-//! dashpots on shear and bending were tried and left the slow swings of hanging flaps, which hardly shear or bend, as they were.
+//! The rigid motion of each piece: all that internal friction leaves, and what pulls within the fabric must not change.
 
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
-use super::pin::Pins;
+use crate::constraint::hold::pin::Pins;
 use crate::lanes::LANES;
 use crate::topology::Pieces;
 use crate::{Motion, Particles, Soa3};
@@ -18,7 +13,7 @@ type Sums = [f64; 16];
 
 /// The motion of one piece as if it were rigid.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Body {
+pub(in crate::constraint) struct Body {
     sums: Sums,
     centre: DVec3,
     drift: DVec3,
@@ -108,10 +103,15 @@ fn motion(frame: &Motion, dt: f64) -> (DVec3, DVec3) {
     ((to - from) / dt - spin.cross(to), spin)
 }
 
-/// Moves the velocity of every free particle towards that of the rigid motion of its piece, or of its pins, by `1 − exp(−rate dt)`. A cloth
-/// in one piece has no `pieces`. `bodies` is working memory.
+/// Internal friction: what is not rigid motion of a piece fades (Müller et al. 2007, §3.5), and of a piece that is pinned what is
+/// not the motion of its pins: the velocity of every free particle moves towards that by `1 − exp(−rate dt)`. A cloth in one piece has
+/// no `pieces`. `bodies` is working memory.
+///
+/// Of what hangs on nothing it takes no momentum, linear or angular: free fall and spin stay. A piece that is held would, without
+/// air, swing for ever about a corner or a line: that is rigid motion, too. Real cloth does not, it rubs where it is held. Local
+/// dashpots on shear and bending were tried and left the slow swings of hanging flaps, which hardly shear or bend, as they were.
 #[inline(always)]
-pub(super) fn damp<S: Simd>(
+pub(in crate::constraint) fn damp<S: Simd>(
     _: S,
     particles: &mut Particles,
     pieces: Option<&Pieces>,
@@ -129,14 +129,37 @@ pub(super) fn damp<S: Simd>(
         let (drift, spin) = motion(frame, f64::from(dt));
         body.held = (body.held.0 + 1.0, body.held.1 + drift, body.held.2 + spin);
     }
+    add_up(inverse_mass, x, v, pieces, bodies);
+    for body in bodies.iter_mut() {
+        *body = Body::new(body.sums, body.held);
+    }
+    let fade = 1.0 - libm::expf(-rate * dt);
     let mut start = 0;
     while let Some((piece, end)) = run(pieces, start, mass.len()) {
+        let Body { drift, spin, centre, .. } = bodies.get(piece).copied().unwrap_or_default();
+        let (d, s, c) = (drift.as_vec3(), spin.as_vec3(), centre.as_vec3());
+        for i in start..end {
+            let fade = if inverse_mass[i] > 0.0 { fade } else { 0.0 };
+            let (rx, ry, rz) = (x.x[i] - c.x, x.y[i] - c.y, x.z[i] - c.z);
+            v.x[i] += (d.x + (s.y * rz - ry * s.z) - v.x[i]) * fade;
+            v.y[i] += (d.y + (s.z * rx - rz * s.x) - v.y[i]) * fade;
+            v.z[i] += (d.z + (s.x * ry - rx * s.y) - v.z[i]) * fade;
+        }
+        start = end;
+    }
+}
+
+/// Adds what moves, with the velocities or moves `v`, to the sums of its pieces.
+#[inline(always)]
+fn add_up(inverse_mass: &[f32], x: &Soa3, v: &Soa3, pieces: Option<&Pieces>, bodies: &mut [Body]) {
+    let mut start = 0;
+    while let Some((piece, end)) = run(pieces, start, inverse_mass.len()) {
         let mut moments = Moments::default();
         for i in (start..end).step_by(LANES) {
             let len = LANES.min(end - i);
             let (mut m, mut at, mut velocity) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 3]);
             for k in 0..len {
-                m[k] = if inverse_mass[i + k] > 0.0 { f64::from(mass[i + k]) } else { 0.0 };
+                m[k] = if inverse_mass[i + k] > 0.0 { 1.0 / f64::from(inverse_mass[i + k]) } else { 0.0 };
             }
             widen(&mut at, x, i, len);
             widen(&mut velocity, v, i, len);
@@ -150,22 +173,43 @@ pub(super) fn damp<S: Simd>(
         }
         start = end;
     }
-    for body in bodies.iter_mut() {
+}
+
+/// The momentum of the moves of each piece before the forces within the fabric act, for [`keep`].
+pub(in crate::constraint) fn note(particles: &Particles, pieces: Option<&Pieces>, bodies: &mut Vec<Body>) {
+    bodies.clear();
+    bodies.resize(pieces.map_or(1, |pieces| pieces.triangles.len()), Body::default());
+    add_up(&particles.inverse_mass, &particles.position, &particles.moved, pieces, bodies);
+}
+
+/// Gives every piece that nothing holds the momentum back that [`note`] found, by a rigid move of the whole: where links turn so far
+/// within a substep that they are pulled along where they point then, they turn the whole.
+pub(in crate::constraint) fn keep(
+    particles: &mut Particles,
+    pieces: Option<&Pieces>,
+    held: &[u32],
+    bodies: &mut Vec<Body>,
+) {
+    let before: Vec<Sums> = bodies.iter().map(|body| body.sums).collect();
+    note(particles, pieces, bodies);
+    for (body, before) in bodies.iter_mut().zip(before) {
+        for k in 10..16 {
+            body.sums[k] = before[k] - body.sums[k];
+        }
         *body = Body::new(body.sums, body.held);
     }
-    let fade = 1.0 - libm::expf(-rate * dt);
-    start = 0;
-    while let Some((piece, end)) = run(pieces, start, mass.len()) {
-        let Body { drift, spin, centre, .. } = bodies.get(piece).copied().unwrap_or_default();
-        let (d, s, c) = (drift.as_vec3(), spin.as_vec3(), centre.as_vec3());
-        for i in start..end {
-            let fade = if inverse_mass[i] > 0.0 { fade } else { 0.0 };
-            let (rx, ry, rz) = (x.x[i] - c.x, x.y[i] - c.y, x.z[i] - c.z);
-            v.x[i] += (d.x + (s.y * rz - ry * s.z) - v.x[i]) * fade;
-            v.y[i] += (d.y + (s.z * rx - rz * s.x) - v.y[i]) * fade;
-            v.z[i] += (d.z + (s.x * ry - rx * s.y) - v.z[i]) * fade;
+    for particle in held {
+        let piece = pieces.map_or(0, |pieces| pieces.of_slot[*particle as usize] as usize);
+        if let Some(body) = bodies.get_mut(piece) {
+            *body = Body::default();
         }
-        start = end;
+    }
+    let Particles { position, moved, inverse_mass, .. } = particles;
+    for (i, _) in inverse_mass.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+        let piece = pieces.map_or(0, |pieces| pieces.of_slot[i] as usize);
+        let Some(Body { drift, spin, centre, .. }) = bodies.get(piece) else { continue };
+        let arm = position.get(i).as_dvec3() - centre;
+        moved.set(i, moved.get(i) + (*drift + spin.cross(arm)).as_vec3());
     }
 }
 

@@ -1,20 +1,21 @@
-//! Threads of a rectangle that was taken apart: what [`super::lines`] does to rows and columns, on runs of any particles,
+//! Threads of a rectangle that was taken apart: what [`crate::constraint::kernel::lines`] does to rows and columns, on runs of any particles,
 //! eight side by side.
 
 use fearless_simd::Simd;
 
-use super::batch::{gather, gather3, scatter3};
-use super::grid::Stiffness;
-use super::lines::{self, Block, Elimination, Links8, Met};
-use super::sweep;
-use super::wear::{GONE, Wear, Worn};
+use crate::batch::{gather, gather3, scatter3};
+use crate::constraint::kernel::lines::{self, Elimination, Links8, Met};
+use crate::constraint::kernel::links::{Block, GONE, Worn};
+use crate::constraint::kernel::sweep;
+use crate::constraint::surface::grid::Stiffness;
+use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, splat, store};
 use crate::topology::Thread;
 use crate::{Particles, Soa3};
 
 /// What eight runs are brought together in, and worked on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Work {
+pub(in crate::constraint) struct Work {
     pub position: Soa3,
     pub moved: Soa3,
     pub inverse_mass: Vec<f32>,
@@ -36,7 +37,7 @@ impl Work {
 
 /// Eight threads.
 #[derive(Clone, Debug)]
-pub(super) struct Listed {
+pub(in crate::constraint) struct Listed {
     /// The particles, eight lanes each; padding behind the end of a thread.
     slots: Vec<[u32; LANES]>,
     /// 1/width of each link, in spacings.
@@ -51,7 +52,7 @@ pub(super) struct Listed {
 
 /// Puts threads together by eights, those of about the same length, and none beside another one of the same row or column,
 /// with which it may share a particle.
-pub(super) fn pack(mut threads: Vec<Thread>, padding: u32) -> Vec<Listed> {
+pub(in crate::constraint) fn pack(mut threads: Vec<Thread>, padding: u32) -> Vec<Listed> {
     threads.sort_by_key(|thread| (std::cmp::Reverse(thread.slots.len()), thread.run));
     let mut blocks: Vec<Listed> = Vec::new();
     for thread in threads {
@@ -181,10 +182,10 @@ impl Listed {
 
     /// Waves across the threads slowed: see [`lines::filter`].
     #[inline(always)]
-    pub fn filter<S: Simd>(&self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work) {
+    pub fn filter<S: Simd>(&mut self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work) {
         self.gather(simd, particles, work);
         let Work { position, moved, inverse_mass, elimination } = &mut *work;
-        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &self.found, elimination);
+        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &mut self.found, elimination);
         self.scatter(simd, work, particles);
     }
 }

@@ -3,14 +3,19 @@
 
 use glam::Vec3;
 
-use super::bending::Bending;
-use super::grid::GridConstraints;
-use super::wear::Condition;
+use crate::constraint::kernel::bending::Bending;
+use crate::constraint::surface::grid::GridConstraints;
+use crate::constraint::wear::Condition;
 use crate::topology::{Along, Thread, hinge_angle, threads};
 use crate::{Fabric, Grid, Soa3, Topology};
 
 /// Force on each slot of a rectangle in `condition`, N, added to `force`.
-pub(super) fn of_grid(constraints: &GridConstraints, condition: impl Condition, position: &Soa3, force: &mut Soa3) {
+pub(in crate::constraint) fn of_grid(
+    constraints: &GridConstraints,
+    condition: impl Condition,
+    position: &Soa3,
+    force: &mut Soa3,
+) {
     let (grid, fabric) = (constraints.grid, &constraints.fabric);
     let twist = 0.5 * (fabric.bend_warp + fabric.bend_weft);
     let has_cells = fabric.shear > 0.0 || twist > 0.0;
@@ -53,7 +58,7 @@ pub(super) fn of_grid(constraints: &GridConstraints, condition: impl Condition, 
 
 /// What the forces of a rectangle that was taken apart need.
 #[derive(Clone, Debug)]
-pub(super) struct Woven {
+pub(in crate::constraint) struct Woven {
     weft: Vec<Thread>,
     warp: Vec<Thread>,
     cells: Vec<[u32; 4]>,
@@ -138,7 +143,7 @@ fn of_cell(position: &Soa3, force: &mut Soa3, grid: &Grid, corners: [usize; 4], 
 
 /// What the forces of a mesh that is no grid need, or those of loose triangles.
 #[derive(Clone, Debug)]
-pub(super) struct MeshForces {
+pub(in crate::constraint) struct MeshForces {
     topology: Topology,
     fabric: Fabric,
     triangles: Vec<u32>,

@@ -1,6 +1,6 @@
-//! Shear of a mesh that is no grid, as a force, stable at any stiffness and any step: what [`super::shear`] is to a grid.
+//! Shear of a mesh that is no grid, as a force, stable at any stiffness and any step: what [`crate::constraint::kernel::shear`] is to a grid.
 //!
-//! Each triangle has the stress λ of its shear `C = f_u · f_v` (see [`super::triangles`]) and pulls with `−λ ∇C`. As plain forces,
+//! Each triangle has the stress λ of its shear `C = f_u · f_v` (see [`crate::constraint::kernel::triangles`]) and pulls with `−λ ∇C`. As plain forces,
 //! λ = G A C, fine meshes would explode; swept as constraints they would hardly resist. So the stresses of all are found together,
 //! `(1/(G A H²) + θ J W Jᵀ) λ = C`, by conjugate gradients, J all ∇C where the substep begins, H the longest substep: what
 //! changes slowly from triangle to triangle keeps its stiffness, and no wave is faster than ω² H² = 1/θ. Whatever λ is, `−λ ∇C`
@@ -9,9 +9,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{Batches, Packed, gather4, pack, scatter4};
-use super::triangles::shear_gradient;
-use super::wear::Wear;
+use crate::batch::{Batches, Packed, gather4, pack, scatter4};
+use crate::constraint::kernel::triangles::shear_gradient;
+use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, splat};
 use crate::{Fabric, Particles, Substep, Topology};
 
@@ -31,7 +31,7 @@ type Lanes = [f32; LANES];
 
 /// What resists shear in a mesh.
 #[derive(Clone, Debug)]
-pub(super) struct MeshShear {
+pub(in crate::constraint) struct MeshShear {
     batches: Batches<3>,
     eights: Vec<Eight>,
     position: Vec<Packed>,
@@ -44,7 +44,7 @@ pub(super) struct MeshShear {
 /// Eight triangles.
 #[derive(Clone, Debug)]
 struct Eight {
-    /// Inverse of the rest edges: see [`super::triangles`].
+    /// Inverse of the rest edges: see [`crate::constraint::kernel::triangles`].
     inverse_rest: [Lanes; 4],
     /// G A, J; 0 where no triangle is.
     stiffness: Lanes,

@@ -2,18 +2,18 @@
 
 use fearless_simd::Simd;
 
-use super::super::cells::{CellModel, ShearModel};
-use super::super::lines;
-use super::super::sweep::{self, Compliance};
 use super::{GridConstraints, RowLanes, Stiffness, column_block, gather, is_block, row_block, scatter, worn};
 use crate::Particles;
+use crate::constraint::kernel::cells::{CellModel, ShearModel};
+use crate::constraint::kernel::lines;
+use crate::constraint::kernel::sweep::{self, Compliance};
 use crate::lanes::{LANES, load};
 use crate::tick::Substep;
 use crate::topology::Along;
 
 /// How a grid is swept.
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) enum Sweep {
+pub(in crate::constraint) enum Sweep {
     /// With the fabric's compliance, in that substep.
     Compliant(Substep),
     /// Without any: distances to neighbours, right angles, and distances to the neighbours but one against bending.

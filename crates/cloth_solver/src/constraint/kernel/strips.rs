@@ -1,7 +1,7 @@
 //! Stretch of a mesh that is no grid, exact along strips of triangles, eight strips side by side.
 //!
 //! Along a strip (see [`crate::topology::strips`]) the constraints `C_k = |f_k| − 1` of its triangles are solved together, f the
-//! column of the deformation gradient along the thread: what [`super::triangles`] solves one by one and thereby lets
+//! column of the deformation gradient along the thread: what [`crate::constraint::kernel::triangles`] solves one by one and thereby lets
 //! stretch. With p_k the direction in which triangle k pulls, its gradients are `c_ki p_k` at corner i, c from the rest shape
 //! alone. So `A_kl = p_k·p_l Σ w c_ki c_lj` over the particles that both have; none are more than [`REACH`] triangles apart, and
 //! the LDLᵀ factors of A have as narrow a band.
@@ -9,10 +9,11 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{Packed, gather4, pack, scatter4, unpack};
-use super::lines::{Met, TURNED};
-use super::tension::Tensions;
-use super::wear::{GONE, Wear};
+use crate::batch::{Packed, gather4, pack, scatter4, unpack};
+use crate::constraint::kernel::lines::{Met, TURNED};
+use crate::constraint::kernel::links::GONE;
+use crate::constraint::tension::Tensions;
+use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, load, select, splat, store};
 use crate::topology::{Along, strips};
 use crate::{Fabric, Particles, Soa3, Topology};
@@ -81,7 +82,7 @@ impl Work {
 
 /// All strips along one direction.
 #[derive(Clone, Debug)]
-pub(super) struct Strips {
+pub(in crate::constraint) struct Strips {
     along: Along,
     /// Y, N/m.
     stiffness: f32,
@@ -211,7 +212,7 @@ impl Eight {
         }
     }
 
-    /// A pass with factors in a band of `BAND` beside the diagonal: see [`super::lines::stretch`].
+    /// A pass with factors in a band of `BAND` beside the diagonal: see [`crate::constraint::kernel::lines::stretch`].
     #[inline(always)]
     fn solve<S: Simd, const BAND: usize, const FIRST: bool>(
         &mut self,
@@ -254,6 +255,8 @@ impl Eight {
                 let own = w_a * coefficient[0] * coefficient[0]
                     + w_b * coefficient[1] * coefficient[1]
                     + w_c * coefficient[2] * coefficient[2];
+                let has_turned = !is_calm & own.simd_gt(zero) & compliance.simd_lt(splat(simd, GONE));
+                met.turned = met.turned.max(has_turned.select(one, zero));
                 // Row k of A, from the furthest: `u_j = A_{k,k−j} − Σ_{i>j} u_i L_{k−j,k−i}`, `L_{k,k−j} = u_j/d_{k−j}`.
                 let mut pivot = own * pull.dot(pull) + compliance;
                 let least = pivot * splat(simd, SINGULAR);
@@ -279,7 +282,7 @@ impl Eight {
             } else {
                 right -= compliance * load(simd, multipliers, k * LANES);
             }
-            // See [`super::lines::stretch`].
+            // See [`crate::constraint::kernel::lines::stretch`].
             let turned = f.dot(Vec3x8::load(simd, &work.pull, at * LANES)).simd_lt(length * splat(simd, TURNED));
             right = turned.select(zero, right);
             for j in 1..=BAND {
@@ -318,7 +321,7 @@ impl Eight {
 
 /// What strips work on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Packs {
+pub(in crate::constraint) struct Packs {
     /// Positions.
     position: Vec<Packed>,
     /// Moves and inverse masses.

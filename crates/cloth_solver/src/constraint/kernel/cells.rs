@@ -12,8 +12,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{Batches, gather, gather3, scatter3};
-use super::wear::Wear;
+use crate::batch::{Batches, gather, gather3, scatter3};
+use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::{Grid, Particles, Soa3};
 

@@ -16,7 +16,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::lines::{self, Rows};
+use crate::constraint::kernel::lines::{self, Rows};
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::{Grid, Soa3};
 
@@ -25,7 +25,7 @@ const FASTEST: f32 = 2.0;
 
 /// The stress of each cell, and the working memory to find it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Stress {
+pub(in crate::constraint) struct Stress {
     /// λ h² of each cell, per slot of its upper left corner, N·s².
     pub lambda: Vec<f32>,
     upper: Vec<f32>,
@@ -36,7 +36,7 @@ pub(super) struct Stress {
 
 /// What the stress of the cells follows from.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheet<'a> {
+pub(in crate::constraint) struct Sheet<'a> {
     pub grid: &'a Grid,
     /// 1 for a cell that is there, 0 for none, per slot of its upper left corner.
     pub mask: &'a [f32],

@@ -16,8 +16,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::wear::Links;
 use crate::Soa3;
+use crate::constraint::kernel::links::{Block, Links};
 use crate::lanes::{LANES, Vec3x8, load, select, splat, store, transpose};
 
 /// T h²/(m l) up to which the waves across a line are left as they are; beyond, they are slowed: see [`filter`].
@@ -28,48 +28,10 @@ const FILTER: f32 = 0.8;
 
 /// Cosine of the turn within a substep from which on a link is pulled along the direction that it is predicted to have: see
 /// [`stretch`]. It takes more motion than the most substeps resolve.
-pub(super) const TURNED: f32 = 0.5;
+pub(in crate::constraint) const TURNED: f32 = 0.5;
 
 /// α̃, 1/kg, of what is no link: torn or burnt through.
 const NO_LINK: f32 = 1e20;
-
-/// Eight runs of `count` particles each.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Block {
-    /// Where the first vector starts.
-    pub base: usize,
-    /// From one vector to the next.
-    pub stride: usize,
-    /// Particles in each run, at least 2.
-    pub count: usize,
-    /// Rest distance between neighbours, m.
-    pub spacing: f32,
-    /// Where in the arrays of the links its own start, eight lanes per link.
-    pub links: usize,
-}
-
-impl Block {
-    /// Where the vector of the k-th particles starts.
-    pub const fn at(&self, k: usize) -> usize {
-        self.base + k * self.stride
-    }
-
-    /// Where the vector of the k-th links starts.
-    pub const fn link(&self, k: usize) -> usize {
-        self.links + k * LANES
-    }
-
-    /// Every second particle from the first (`0`) or second (`1`) on.
-    pub const fn every_second(&self, from: usize) -> Self {
-        Self {
-            base: self.base + from * self.stride,
-            stride: 2 * self.stride,
-            count: (self.count + 1 - from) / 2,
-            spacing: 2.0 * self.spacing,
-            links: self.links,
-        }
-    }
-}
 
 /// The links of blocks as the first pass of a substep left them: direction of the pull, factors of the elimination, multipliers.
 #[derive(Clone, Debug, Default)]
@@ -117,6 +79,8 @@ pub(crate) struct Met<S: Simd> {
     pub loads: f32x8<S>,
     /// The largest square of the change of a link within the substep, before this pass, in rest lengths.
     pub change: f32x8<S>,
+    /// 1 if a link turned by 60° and more, else 0; found by the first pass.
+    pub turned: f32x8<S>,
     /// The furthest that this pass moved a particle by a link, in rest lengths; 0 in the first pass.
     pub left: f32x8<S>,
 }
@@ -125,7 +89,7 @@ impl<S: Simd> Met<S> {
     #[inline(always)]
     pub fn nothing(simd: S) -> Self {
         let zero = splat(simd, 0.0);
-        Self { load: zero, loads: zero, change: zero, left: zero }
+        Self { load: zero, loads: zero, change: zero, turned: zero, left: zero }
     }
 
     #[inline(always)]
@@ -134,6 +98,7 @@ impl<S: Simd> Met<S> {
             load: self.load.max(other.load),
             loads: self.loads + other.loads,
             change: self.change.max(other.change),
+            turned: self.turned.max(other.turned),
             left: self.left.max(other.left),
         }
     }
@@ -190,6 +155,8 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
             let normal = d * (one / length.max(tiny));
             let before = before * (one / had.max(tiny));
             let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(splat(simd, TURNED));
+            let has_turned = is_there & !is_calm & (w + w_next).simd_gt(zero);
+            met.turned = met.turned.max(has_turned.select(one, zero));
             let pull = select(is_calm, before, normal);
             let off = -(w * last.dot(pull));
             // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
@@ -245,7 +212,8 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
 ///
 /// Pulled along such d, an exact line steps its waves explicitly: with g = h² ω² that is stable for g < 4, and the highest wave
 /// has g = 4 T h²/(m l). So filtered, no load makes it unstable, and what is even along the line is left as it is. φ follows from d by
-/// a symmetric matrix without directions: the whole gets no angular momentum.
+/// a symmetric matrix without directions: the whole gets no angular momentum. Where tension ends at once, as beside a weight, the
+/// links carry less along themselves, too: what is taken off their multipliers, and later passes find it anew.
 #[inline(always)]
 pub(crate) fn filter<S: Simd>(
     simd: S,
@@ -253,7 +221,7 @@ pub(crate) fn filter<S: Simd>(
     position: &Soa3,
     moved: &mut Soa3,
     inverse_mass: &[f32],
-    of: &Links8,
+    of: &mut Links8,
     work: &mut Elimination,
 ) {
     let (zero, one, tiny) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
@@ -284,8 +252,10 @@ pub(crate) fn filter<S: Simd>(
         let (at, next) = (block.at(k), block.at(k + 1));
         let x = Vec3x8::load(simd, position, at);
         phi = Vec3x8::load(simd, &work.vector, k * LANES) + phi * load(simd, &work.upper, k * LANES);
-        let d = Vec3x8::load(simd, &of.pull, block.link(k)) * (x_next - x).length();
-        let less = d * load(simd, &work.far, k * LANES) - phi;
+        let (link, length) = (block.link(k), (x_next - x).length());
+        let pull = Vec3x8::load(simd, &of.pull, link);
+        let less = pull * (length * load(simd, &work.far, k * LANES)) - phi;
+        store(load(simd, &of.lambda, link) + less.dot(pull), &mut of.lambda, link);
         (Vec3x8::load(simd, moved, next) + (less - less_above) * load(simd, inverse_mass, next)).store(moved, next);
         (x_next, less_above) = (x, less);
     }

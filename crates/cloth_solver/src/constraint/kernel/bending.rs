@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4};
 use glam::{DVec3, Vec3};
 
-use super::batch::{Packed, pack};
+use crate::batch::{Packed, pack};
 use crate::topology::{Curvature, curvatures};
 use crate::{Fabric, Particles, Soa3, Substep, Topology};
 
@@ -25,7 +25,7 @@ const ITERATIONS: usize = 400;
 
 /// What resists bending in a mesh.
 #[derive(Clone, Debug)]
-pub(super) struct Bending {
+pub(in crate::constraint) struct Bending {
     /// Row by row: the columns of Q off the diagonal and what stands there, filled up with zeros to a multiple of
     /// [`ABREAST`].
     rows: Vec<[u32; 2]>,

@@ -7,10 +7,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-use super::batch::{Batches, gather, gather3, scatter3};
-use super::lines::TURNED;
-use super::tension::Tensions;
-use super::wear::Wear;
+use crate::batch::{Batches, gather, gather3, scatter3};
+use crate::constraint::kernel::lines::TURNED;
+use crate::constraint::tension::Tensions;
+use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, select, splat};
 use crate::topology::Along;
 use crate::{Fabric, Particles, Topology};
@@ -222,7 +222,10 @@ fn angle<S: Simd>(
 
 /// `f_u · f_v` and its gradients.
 #[inline(always)]
-pub(super) fn shear_gradient<S: Simd>(x: [Vec3x8<S>; 3], m: [f32x8<S>; 4]) -> (f32x8<S>, [Vec3x8<S>; 3]) {
+pub(in crate::constraint) fn shear_gradient<S: Simd>(
+    x: [Vec3x8<S>; 3],
+    m: [f32x8<S>; 4],
+) -> (f32x8<S>, [Vec3x8<S>; 3]) {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
     let (u, v) = (e1 * m[0] + e2 * m[1], e1 * m[2] + e2 * m[3]);
     let g1 = v * m[0] + u * m[2];

@@ -3,15 +3,15 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use super::bending::Bending;
-use super::force::MeshForces;
-use super::grid::{CLOSE, MOST_PASSES, PASSES, QUIET, SETTLED};
-use super::hinges::Hinges;
-use super::mesh_shear::MeshShear;
-use super::strips::{Packs, Strips};
-use super::tension::Tensions;
-use super::triangles::{Of, Triangles};
-use super::wear::Wear;
+use crate::constraint::kernel::bending::Bending;
+use crate::constraint::kernel::hinges::Hinges;
+use crate::constraint::kernel::mesh_shear::MeshShear;
+use crate::constraint::kernel::strips::{Packs, Strips};
+use crate::constraint::kernel::triangles::{Of, Triangles};
+use crate::constraint::surface::force::MeshForces;
+use crate::constraint::surface::passes::Passes;
+use crate::constraint::tension::Tensions;
+use crate::constraint::wear::Wear;
 use crate::method::Method;
 use crate::tick::{Effort, Substep};
 use crate::topology::Along;
@@ -22,7 +22,7 @@ const LARGEST_LOAD: f32 = 0.3;
 
 /// What keeps a mesh of fabric together.
 #[derive(Clone, Debug)]
-pub(super) struct MeshConstraints {
+pub(in crate::constraint) struct MeshConstraints {
     triangles: Triangles,
     shear: Option<Box<MeshShear>>,
     /// Stretch along weft and warp, where the method solves it along strips.
@@ -32,8 +32,7 @@ pub(super) struct MeshConstraints {
     /// Instead, where bending is rigid.
     hinges: Option<Hinges>,
     pub fabric: Fabric,
-    /// Whether the last pass had next to nothing left to do.
-    settled: bool,
+    passes: Passes,
     /// Only for methods that step forces.
     pub forces: Option<Box<MeshForces>>,
 }
@@ -49,7 +48,7 @@ impl MeshConstraints {
             bending: None,
             hinges: None,
             fabric: *fabric,
-            settled: false,
+            passes: Passes::default(),
             forces: None,
         };
         made.prepare(topology, method);
@@ -141,19 +140,16 @@ impl MeshConstraints {
         };
         self.packs.take(particles);
         let mut met = self.packs.solve::<S, true>(simd, &mut **strips, sub.square());
-        let load = met.load.reduce_max();
-        if sub.start == 0.0 || met.change.reduce_max() > QUIET * QUIET {
-            self.settled = false;
-        }
-        for pass in 1..MOST_PASSES {
-            if self.settled || (pass >= PASSES && met.left.reduce_max() < CLOSE) {
-                break;
-            }
+        let (load, turned) = (met.load.reduce_max(), met.turned.reduce_max() > 0.0);
+        self.passes.begin(sub, met.change.reduce_max());
+        let (mut done, mut left) = (1, 0.0);
+        while self.passes.is_due(done, left) {
             met = self.packs.solve::<S, false>(simd, &mut **strips, sub.square());
-            self.settled = met.left.reduce_max() < SETTLED;
+            left = met.left.reduce_max();
+            done += 1;
         }
         self.packs.give(particles);
-        Effort { load: load / LARGEST_LOAD, mean_load: 0.0, motion: met.change.reduce_max().sqrt() }
+        Effort { load: load / LARGEST_LOAD, mean_load: 0.0, motion: met.change.reduce_max().sqrt(), turned }
     }
 
     /// Rigidly, once.

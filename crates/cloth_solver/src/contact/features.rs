@@ -52,46 +52,40 @@ impl<const N: usize> Pair<N> {
 /// One pass over the triangles and edges of `part`.
 pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answer) {
     let margin = answer.margin;
-    for triangle in part.triangles.iter().map(|triangle| triangle.map(|i| i as usize)) {
-        if is_beyond(patch, triangle, margin) {
+    let keep = shape.feature_radius() + margin;
+    let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
+    for triangle in &part.triangles {
+        let (corners, near) = (triangle.corners.map(|i| i as usize), among(triangle.near));
+        if is_beyond(patch, corners, margin) {
             continue;
         }
-        match shape {
-            Shape::HalfSpace => {}
-            Shape::Sphere { radius } => {
-                let nearest = |points, _| triangle_and_point(points, Vec3::ZERO);
-                touch(patch, triangle, radius + margin, nearest, |_| None, shape, answer);
-            }
-            Shape::Capsule { radius, half_length } => {
-                for end in [Vec3::Y * -half_length, Vec3::Y * *half_length] {
-                    let nearest = |points, _| triangle_and_point(points, end);
-                    touch(patch, triangle, radius + margin, nearest, |_| None, shape, answer);
-                }
-            }
-            Shape::Convex(hull) => {
-                let nearest = |points, reach| triangle_and_corners(hull, points, reach);
-                let inside = |points| {
-                    triangle_around_corner(hull, points, margin).or_else(|| triangle_over_corners(hull, points, margin))
-                };
-                touch(patch, triangle, margin, nearest, inside, shape, answer);
+        if let Shape::Convex(hull) = shape {
+            let nearest = |points, reach| triangle_and_corners(hull, near, points, reach);
+            let inside = |points| {
+                triangle_around_corner(hull, near, points, margin)
+                    .or_else(|| triangle_over_corners(hull, near, points, margin))
+            };
+            touch(patch, corners, keep, nearest, inside, shape, answer);
+        } else {
+            for point in near.iter().map(|which| part.points[*which as usize]) {
+                let nearest = |points, _| triangle_and_point(points, point);
+                touch(patch, corners, keep, nearest, |_| None, shape, answer);
             }
         }
     }
-    for edge in part.edges.iter().map(|edge| edge.map(|i| i as usize)) {
-        if matches!(shape, Shape::Sphere { .. }) || is_beyond(patch, edge, margin) {
+    for edge in &part.edges {
+        let (ends, near) = (edge.corners.map(|i| i as usize), among(edge.near));
+        if is_beyond(patch, ends, margin) {
             continue;
         }
-        match shape {
-            Shape::HalfSpace | Shape::Sphere { .. } => {}
-            Shape::Capsule { radius, half_length } => {
-                let axis = [Vec3::Y * -half_length, Vec3::Y * *half_length];
+        if let Shape::Convex(hull) = shape {
+            let nearest = |points, reach| edge_and_edges(hull, near, points, reach);
+            let inside = |points| edge_over_edges(hull, near, points, margin);
+            touch(patch, ends, keep, nearest, inside, shape, answer);
+        } else {
+            for axis in near.iter().map(|which| part.segments[*which as usize]) {
                 let nearest = |points, _| edge_and_segment(points, axis);
-                touch(patch, edge, radius + margin, nearest, |_| None, shape, answer);
-            }
-            Shape::Convex(hull) => {
-                let nearest = |points, reach| edge_and_edges(hull, points, reach);
-                let inside = |points| edge_over_edges(hull, points, margin);
-                touch(patch, edge, margin, nearest, inside, shape, answer);
+                touch(patch, ends, keep, nearest, |_| None, shape, answer);
             }
         }
     }
@@ -170,9 +164,20 @@ fn is_near<const N: usize>(points: [Vec3; N], reach: f32, [low, high]: [Vec3; 2]
     !(high.cmplt(least - reach).any() || low.cmpgt(most + reach).any())
 }
 
+/// The corners of a solid numbered `near`.
+fn corners_of<'a>(hull: &'a ConvexHull, near: &'a [u32]) -> impl Iterator<Item = (usize, &'a Vec3)> {
+    near.iter().map(|which| (*which as usize, &hull.corners[*which as usize]))
+}
+
+/// The edges of a solid numbered `near`, and the directions into their faces.
+fn edges_of<'a>(hull: &'a ConvexHull, near: &'a [u32]) -> impl Iterator<Item = ([Vec3; 2], &'a [Vec3; 2])> {
+    let corners = |edge: [u32; 2]| edge.map(|i| hull.corners[i as usize]);
+    near.iter().map(move |which| (corners(hull.edges[*which as usize]), &hull.into_faces[*which as usize]))
+}
+
 /// The corner of a solid nearest to a triangle that it faces.
-fn triangle_and_corners(hull: &ConvexHull, points: [Vec3; 3], reach: f32) -> Option<Pair<3>> {
-    let corners = hull.corners.iter().enumerate().filter(|(_, corner)| is_near(points, reach, [**corner; 2]));
+fn triangle_and_corners(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], reach: f32) -> Option<Pair<3>> {
+    let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, reach, [**corner; 2]));
     let pairs = corners.filter_map(|(which, corner)| {
         let pair = triangle_and_point(points, *corner)?;
         let is_inner = pair.weights.iter().all(|weight| *weight > 0.0);
@@ -182,10 +187,9 @@ fn triangle_and_corners(hull: &ConvexHull, points: [Vec3; 3], reach: f32) -> Opt
 }
 
 /// The edge of a solid nearest to one that it faces.
-fn edge_and_edges(hull: &ConvexHull, ends: [Vec3; 2], reach: f32) -> Option<Pair<2>> {
+fn edge_and_edges(hull: &ConvexHull, near: &[u32], ends: [Vec3; 2], reach: f32) -> Option<Pair<2>> {
     let mut nearest: Option<Pair<2>> = None;
-    for (edge, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
-        let ridge @ [a, b] = edge.map(|i| hull.corners[i as usize]);
+    for (ridge @ [a, b], into_faces) in edges_of(hull, near) {
         if !is_near(ends, reach, [a.min(b), a.max(b)]) {
             continue;
         }
@@ -222,10 +226,15 @@ fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32)
 }
 
 /// The way off the corner of a solid that sticks through a triangle, and how far it is, m.
-fn triangle_over_corners(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+fn triangle_over_corners(
+    hull: &ConvexHull,
+    near: &[u32],
+    points: [Vec3; 3],
+    margin: f32,
+) -> Option<(Pair<3>, f32)> {
     let most_depth = most_depth(hull, points, margin);
     let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
-    let corners = hull.corners.iter().enumerate().filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
+    let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
     let ways = corners.filter_map(|(which, &core)| {
         let normal = normal * faces(hull, which, normal)?;
         let weights = on_triangle(core, points);
@@ -245,10 +254,15 @@ fn edges_from(hull: &ConvexHull, corner: usize) -> impl Iterator<Item = Vec3> {
 /// The way off the corner of a solid of which all edges pass through a triangle, and how far it is, m: from the middle of where they
 /// do to the corner, if that is nearer than their other ends. Near a sharp corner the way out through a face may be shorter, and
 /// leads nowhere: no particle is inside.
-fn triangle_around_corner(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+fn triangle_around_corner(
+    hull: &ConvexHull,
+    near: &[u32],
+    points: [Vec3; 3],
+    margin: f32,
+) -> Option<(Pair<3>, f32)> {
     let across = (points[1] - points[0]).cross(points[2] - points[0]);
     let area = across.length_squared();
-    let ways = hull.corners.iter().enumerate().filter_map(|(which, &core)| {
+    let ways = corners_of(hull, near).filter_map(|(which, &core)| {
         let mut sum = [0.0; 3];
         let mut around = true;
         let height = across.dot(core - points[0]);
@@ -278,12 +292,11 @@ fn triangle_around_corner(hull: &ConvexHull, points: [Vec3; 3], margin: f32) -> 
 }
 
 /// The way off that edge of a solid which this one crosses least deep, and how far it is, m.
-fn edge_over_edges(hull: &ConvexHull, ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
+fn edge_over_edges(hull: &ConvexHull, near: &[u32], ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
     let along = ends[1] - ends[0];
     let mut most_depth = most_depth(hull, ends, margin);
     let mut least = None;
-    for (edge, into_faces) in hull.edges.iter().zip(&hull.into_faces) {
-        let [a, b] = edge.map(|i| hull.corners[i as usize]);
+    for ([a, b], into_faces) in edges_of(hull, near) {
         let (ridge, between) = (b - a, a - ends[0]);
         let across = along.cross(ridge);
         let square = across.length_squared();
@@ -352,6 +365,7 @@ fn push<const N: usize>(
             patch.touched[corner] = true;
         }
     }
+    patch.pushes += 1;
     patch.deepest = patch.deepest.max(depth);
     patch.pushed = patch.pushed.max(depth);
 }

@@ -1,6 +1,8 @@
 //! Colliders against the particles, triangles and edges of a cloth: culling, push-out, friction.
 //!
-//! Each collider is met in its own frame, by the part of the cloth that is near it; ground by the particles alone.
+//! Each collider is met in its own frame: by all particles, and by those triangles and edges that are near its corners, edges or
+//! axis. A plane meets particles alone; so does a ball or a capsule that is round for the cells, at a distance that covers what a
+//! triangle sags between its corners.
 //!
 //! Contact comes last in a substep, after velocities are taken from the change of position: a push out of a collider
 //! then never becomes velocity. What velocity there is into the surface is removed, and Coulomb friction takes from
@@ -49,10 +51,12 @@ pub struct Contacts {
     pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
     pub colliders: Vec<Collider>,
-    /// How many particles touched a collider in the last substep, themselves or by a triangle or edge of theirs; once for each.
+    /// Contacts of particles, triangles and edges with colliders in the last substep.
     pub touching: u32,
     /// How far the deepest point of the cloth was below the offset before it was pushed out in the last substep, m.
     pub deepest: f32,
+    /// Square of the radius of the largest circle needed around a triangle of the cloth at rest, m².
+    span: f32,
     near: Near,
     patch: Patch,
     /// While the cloth leaves a solid that it was deep inside of.
@@ -79,6 +83,9 @@ const CALM: f32 = 0.1;
 /// Cloth with a particle deeper inside a solid than that many mean edges is not where it can be: it was put there, or a solid over it.
 const DEEP: f32 = 1.0;
 
+/// What a triangle may sag into a ball or a capsule for particles alone to meet it, in mean edges.
+const MOST_SAG: f32 = 1.0 / 16.0;
+
 impl Contacts {
     /// The distance to keep from colliders: half the fabric's thickness.
     pub fn offset_for(fabric: &Fabric) -> f32 {
@@ -87,7 +94,19 @@ impl Contacts {
 
     /// Of a cloth of `fabric` over `topology`; no colliders.
     pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        Self { offset: Self::offset_for(fabric), edge: mean_edge(topology), ..Self::default() }
+        Self { offset: Self::offset_for(fabric), edge: mean_edge(topology), span: span(topology), ..Self::default() }
+    }
+
+    /// How far a triangle reaches into `shape` between its corners, if they are on it and that is too little to be seen: then
+    /// particles stay off by so much more. `None` if the triangles and edges have to be met themselves.
+    fn sag(&self, shape: &Shape) -> Option<f32> {
+        match shape {
+            Shape::HalfSpace => Some(0.0),
+            Shape::Convex(_) => None,
+            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
+                Some(self.span / (2.0 * radius)).filter(|sag| *sag <= MOST_SAG * self.edge)
+            }
+        }
     }
 
     /// The least number of substeps of a tick in which no collider near the particles moves farther than a quarter of an edge in
@@ -114,7 +133,8 @@ impl Contacts {
     pub fn touches(&self, point: Vec3) -> bool {
         self.colliders.iter().any(|collider| {
             let local = collider.motion.to.inverse_point(point);
-            collider.shape.distance_and_normal(local).0 < 1.1 * self.offset
+            let distance = self.offset + self.sag(&collider.shape).unwrap_or(0.0);
+            collider.shape.distance_and_normal(local).0 < 1.1 * distance
         })
     }
 
@@ -130,6 +150,20 @@ fn mean_edge(topology: &Topology) -> f32 {
     lengths.sum::<f32>() / topology.edges.len().max(1) as f32
 }
 
+/// Of the smallest circle around each triangle at rest the largest square of the radius, m².
+fn span(topology: &Topology) -> f32 {
+    let square = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|slot| topology.rest[slot as usize]);
+        let sides = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let longest = sides.into_iter().fold(0.0, f32::max);
+        if 2.0 * longest >= sides.iter().sum() {
+            return 0.25 * longest;
+        }
+        sides.iter().product::<f32>() / (4.0 * (b - a).cross(c - a).length_squared())
+    };
+    topology.triangles.iter().map(square).fold(0.0, f32::max)
+}
+
 /// One substep's worth of contact of a cloth over `topology` with every collider, in their order.
 pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
     (contacts.touching, contacts.deepest) = (0, 0.0);
@@ -137,26 +171,42 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         return;
     }
     let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
-    let Contacts { offset, edge, colliders, near, patch, .. } = contacts;
+    let mut near = std::mem::take(&mut contacts.near);
+    let mut patch = std::mem::take(&mut contacts.patch);
     let mut buried = 0.0_f32;
-    let extent = near.advance(topology, particles, colliders.len(), *edge);
-    for (which, collider) in colliders.iter().enumerate() {
+    let edge = contacts.edge;
+    near.advance(topology, particles, contacts.colliders.len(), edge);
+    for (which, collider) in contacts.colliders.iter().enumerate() {
+        let shape = &collider.shape;
         let poses = [sub.start, sub.end].map(|time| collider.motion.at(time));
-        if !extent.reaches(&collider.shape, poses, *offset) {
+        let sag = contacts.sag(shape);
+        let is_sharp = sag.is_none();
+        let margin = contacts.offset + sag.unwrap_or(0.0);
+        if near.is_clear(particles, which, shape, poses, margin) {
             continue;
         }
-        let answer = Answer::new(collider, *offset, sub.h);
-        let found = if matches!(collider.shape, Shape::HalfSpace) {
-            dispatch!(*LEVEL, simd => respond::respond(simd, particles, &collider.shape, poses, &answer, sub.h))
+        let answer = Answer::new(collider, margin, sub.h);
+        let mut found;
+        if near.relative(particles, shape, poses) > patch::longest_stage(shape) {
+            let part = near.part(topology, which, shape, poses, [margin, edge], is_sharp);
+            found = patch.collide(particles, part, shape, poses, &answer, sub.h);
         } else {
-            let part = near.part(topology, which, &collider.shape, poses, *offset);
-            patch.collide(particles, part, &collider.shape, poses, &answer, sub.h)
-        };
+            found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, shape, poses, &answer, sub.h));
+            let longest = if is_sharp { near.longest(topology) } else { 0.0 };
+            near.note(which, poses[1], found.nearest - longest);
+            if is_sharp && found.nearest - longest < margin {
+                let part = near.part(topology, which, shape, poses, [margin, edge], is_sharp);
+                let also = patch.touch(particles, part, shape, poses, &answer, sub.h);
+                found.touching += also.touching;
+                found.deepest = found.deepest.max(also.deepest);
+            }
+        }
         contacts.touching += found.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
         buried = buried.max(found.buried);
     }
-    let calm = if buried > DEEP * *edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
+    (contacts.near, contacts.patch) = (near, patch);
+    let calm = if buried > DEEP * edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }
 

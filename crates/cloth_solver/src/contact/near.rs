@@ -1,33 +1,53 @@
-//! Which particles, triangles and edges of a cloth are near which collider.
+//! Which colliders are near a cloth, and which of its particles, triangles and edges are near which collider.
 //!
-//! Lists are kept from substep to substep (neighbour lists with a skin; Verlet 1967): a list holds all that is nearer to its collider
-//! than the skin, and is as good until cloth and collider together may have moved as far. A cloth at rest looks for nothing.
+//! Both are kept from substep to substep (neighbour lists with a skin; Verlet 1967): they hold until cloth and collider together may
+//! have moved as far as the skin. A cloth at rest searches nothing.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
-use super::Shape;
-use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
+use super::nearest::{of_segments, on_triangle};
+use super::{Shape, bounds};
+use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, splat};
 use crate::{Particles, Pose, Soa3, Topology};
+
+/// A triangle or edge, and the corners or edges of the collider that it may touch.
+#[derive(Clone, Debug)]
+pub(super) struct Item<const N: usize> {
+    /// Numbers of its particles in [`Part::slots`].
+    pub corners: [u32; N],
+    /// First and last but one of its numbers in [`Part::features`].
+    pub near: [u32; 2],
+}
 
 /// The part of a cloth that is near one collider.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
-    /// Slots of the particles, in ascending order.
+    /// Slots of the particles: first those of the items, then the others.
     pub slots: Vec<u32>,
-    /// Triangles, as numbers in `slots`.
-    pub triangles: Vec<[u32; 3]>,
-    /// Edges, as numbers in `slots`.
-    pub edges: Vec<[u32; 2]>,
-    /// Length of the longest of those edges, m, at most.
+    /// How many of them belong to items.
+    pub sharp: usize,
+    /// Triangles near points of the collider.
+    pub triangles: Vec<Item<3>>,
+    /// Edges near segments of the collider.
+    pub edges: Vec<Item<2>>,
+    /// Numbers of points and segments of the collider.
+    pub features: Vec<u32>,
+    /// Points of the collider that triangles are tested against: corners, centre, ends.
+    pub points: Vec<Vec3>,
+    /// Segments of the collider that edges are tested against: edges, axis.
+    pub segments: Vec<[Vec3; 2]>,
+    /// Length of the longest edge of the cloth, m, at most; 0 where particles alone are met.
     pub longest: f32,
-    /// Where the collider was when the list was made; `None` if there is none.
+    /// Where the collider was when the lists were made; `None` if there are none.
     made: Option<Pose>,
     /// How far the collider may move from there, m.
     room: f32,
-    /// The box around its shape.
-    bounds: [Vec3; 2],
+    /// Its shape.
+    shape: Option<Shape>,
+    /// No point of the cloth was nearer than this, m, when the particles were at their anchors and the collider there.
+    clear: Option<(Pose, f32)>,
 }
 
 /// The parts of a cloth that are near its colliders.
@@ -37,146 +57,286 @@ pub(super) struct Near {
     anchor: Soa3,
     /// How far they may move from there, m.
     room: f32,
+    /// How far the farthest is from there, m.
+    strayed: f32,
     /// What tells one state of the topology from another: triangles, edges, slots in use.
     state: [usize; 3],
     /// In the order of the colliders.
-    pub parts: Vec<Part>,
-    /// Which sides of a box a slot lies beyond, one bit each.
-    beyond: Vec<u8>,
+    parts: Vec<Part>,
+    /// Length of the longest edge when the lists were made, m; `None` if not known.
+    longest: Option<f32>,
+    /// How the particles are spread in this substep; `None` if not known.
+    spread: Option<Spread>,
+    /// Positions in the frame of the collider.
+    local: Soa3,
+    /// For each slot which points and which segments of the collider it is near, a bit each; those 64 apart share one.
+    marks: [Vec<u64>; 2],
     /// Number in [`Part::slots`] of each slot.
     number: Vec<u32>,
 }
 
-/// How the particles of a cloth moved in a substep.
+/// How the particles of a cloth are spread.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    /// Lowest corner of the box that holds them before and after, m.
-    pub low: Vec3,
-    /// Its highest corner, m.
-    pub high: Vec3,
-    /// The farthest any moved, m.
+struct Spread {
+    /// Corners of the box that holds them, m.
+    bounds: (Vec3, Vec3),
+    /// The farthest any moved in this substep, m.
     moved: f32,
-    /// The farthest any is from its anchor before or after, m.
-    strayed: f32,
-}
-
-impl Extent {
-    /// Whether a collider that moves from the first of `poses` to the second may come as near as `margin` to the cloth.
-    pub fn reaches(&self, shape: &Shape, poses: [Pose; 2], margin: f32) -> bool {
-        if matches!(shape, Shape::HalfSpace) {
-            // The corner of the box that is lowest above the plane.
-            let up = poses[1].rotation * Vec3::Y;
-            let lowest = Vec3::select(up.cmpge(Vec3::ZERO), self.low, self.high);
-            return up.dot(lowest - poses[1].position) < margin;
-        }
-        let [from, to] = poses.map(|pose| pose.position);
-        let middle = 0.5 * (from + to);
-        let away = middle - middle.clamp(self.low, self.high);
-        away.length() <= shape.bounding_radius() + margin + 0.5 * from.distance(to)
-    }
 }
 
 /// How many substeps of the present speed the skin is made for.
 const SUBSTEPS: f32 = 4.0;
 
+/// The least thickness of the skin in mean edges.
+const SKIN: f32 = 0.15;
+
+/// How far below the edge of a solid a cloth edge may be and still find its way out, in mean edges.
+const BELOW: f32 = 0.25;
+
+/// How far any point of `shape` moves from one pose to another, m, at most.
+pub(super) fn travel(shape: &Shape, from: Pose, to: Pose) -> f32 {
+    let turn = if from.rotation == to.rotation { 0.0 } else { from.rotation.angle_between(to.rotation) };
+    from.position.distance(to.position) + if turn > 0.0 { turn * shape.bounding_radius() } else { 0.0 }
+}
+
 impl Near {
-    /// Takes note of how the cloth moved in this substep; `edge` is its mean edge length, m.
-    pub fn advance(&mut self, topology: &Topology, particles: &Particles, colliders: usize, edge: f32) -> Extent {
+    /// Begins a substep. `edge` is the mean edge length of the cloth, m.
+    pub fn advance(&mut self, topology: &Topology, particles: &Particles, colliders: usize, edge: f32) {
         let state = [topology.triangles.len(), topology.edges.len(), topology.free as usize];
-        let is_same = self.state == state && self.anchor.len() == particles.slots();
-        if !is_same {
-            self.anchor = particles.position.clone();
-            self.state = state;
-        }
-        let extent = dispatch!(*LEVEL, simd => extent(simd, particles, &self.anchor));
-        if !is_same || extent.strayed > self.room || !extent.strayed.is_finite() {
-            self.anchor.copy_from(&particles.position);
-            self.room = (SUBSTEPS * extent.moved).max(0.25 * edge);
-            self.parts.iter_mut().for_each(|part| part.made = None);
-        }
+        self.spread = None;
         self.parts.resize_with(colliders, Part::default);
-        extent
+        if self.state == state && self.anchor.len() == particles.slots() {
+            self.strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &self.anchor));
+            if self.strayed <= self.room {
+                return;
+            }
+        }
+        self.state = state;
+        self.anchor.clone_from(&particles.position);
+        self.strayed = 0.0;
+        self.room = (SUBSTEPS * self.spread(particles).moved).max(SKIN * edge);
+        self.longest = None;
+        for part in &mut self.parts {
+            (part.made, part.clear) = (None, None);
+        }
     }
 
-    /// The part near the collider number `which` of `shape`, which moves over the substep as `poses` say.
-    pub fn part(&mut self, topology: &Topology, which: usize, shape: &Shape, poses: [Pose; 2], margin: f32) -> &Part {
-        let Self { anchor, room, parts, beyond, number, .. } = self;
-        let part = &mut parts[which];
-        let arm = shape.bounding_radius() + *room;
-        let moves =
-            |from: Pose, to: Pose| from.position.distance(to.position) + arm * from.rotation.angle_between(to.rotation);
-        let bounds = shape.bounds();
-        let is_good = |made: Pose| part.bounds == bounds && poses.iter().all(|pose| moves(made, *pose) <= part.room);
-        if !part.made.is_some_and(is_good) {
-            part.room = (SUBSTEPS * moves(poses[0], poses[1])).max(*room);
-            part.made = Some(poses[1]);
-            part.bounds = bounds;
-            let skin = Vec3::splat(part.room + *room + margin);
-            let [low, high] = [bounds[0] - skin, bounds[1] + skin];
-            beyond.resize(anchor.len(), 0);
-            for slot in 0..anchor.len() {
-                let x = poses[1].inverse_point(anchor.get(slot));
-                let (under, over) = (x.cmplt(low).bitmask(), x.cmpgt(high).bitmask());
-                beyond[slot] = (under | over << 3) as u8;
-            }
-            part.list(topology, beyond, number, anchor);
-            part.longest += 2.0 * *room;
+    fn spread(&mut self, particles: &Particles) -> Spread {
+        *self.spread.get_or_insert_with(|| {
+            dispatch!(*LEVEL, simd => Spread {
+                bounds: bounds(simd, &particles.position),
+                moved: farthest(simd, &particles.position, &particles.previous),
+            })
+        })
+    }
+
+    /// How far any particle moves in this substep against a collider, m, at most.
+    pub fn relative(&mut self, particles: &Particles, shape: &Shape, [from, to]: [Pose; 2]) -> f32 {
+        let turn = from.rotation.angle_between(to.rotation);
+        let radius = shape.bounding_radius();
+        let arm = if radius.is_finite() { radius } else { 0.0 };
+        self.spread(particles).moved + from.position.distance(to.position) + turn * arm
+    }
+
+    /// Whether the collider number `which` stays farther than `margin` away from the cloth, as far as is known from earlier
+    /// substeps or from the boxes around them.
+    pub fn is_clear(
+        &mut self,
+        particles: &Particles,
+        which: usize,
+        shape: &Shape,
+        poses: [Pose; 2],
+        margin: f32,
+    ) -> bool {
+        let part = &mut self.parts[which];
+        if !part.shape.as_ref().is_some_and(|known| known.is_same(shape)) {
+            (part.shape, part.made, part.clear) = (Some(shape.clone()), None, None);
         }
-        part
+        if let Some((made, gap)) = part.clear {
+            let moved = poses.map(|pose| travel(shape, made, pose));
+            if gap - self.strayed - moved[0].max(moved[1]) > margin {
+                return true;
+            }
+        }
+        let Spread { bounds: (low, high), moved } = self.spread(particles);
+        let [from, to] = poses;
+        let gap = if matches!(shape, Shape::HalfSpace) {
+            let up = to.rotation * Vec3::Y;
+            let lowest = Vec3::select(up.cmpge(Vec3::ZERO), low, high);
+            up.dot(lowest - to.position)
+        } else {
+            let away = to.position - to.position.clamp(low, high);
+            away.length() - shape.bounding_radius()
+        };
+        let is_clear = gap - moved - travel(shape, from, to) > margin;
+        if is_clear {
+            self.note(which, to, gap);
+        }
+        is_clear
+    }
+
+    /// Remembers that no point of the cloth is nearer than `gap` (m) to the collider number `which`, which stands at `pose`.
+    pub fn note(&mut self, which: usize, pose: Pose, gap: f32) {
+        self.parts[which].clear = Some((pose, gap - self.strayed));
+    }
+
+    /// Length of the longest edge of the cloth, m, at most.
+    pub fn longest(&mut self, topology: &Topology) -> f32 {
+        let length = |edge: &[u32; 2]| self.anchor.get(edge[0] as usize).distance(self.anchor.get(edge[1] as usize));
+        let find = || topology.edges.iter().map(length).fold(0.0, f32::max);
+        *self.longest.get_or_insert_with(find) + 2.0 * self.room
+    }
+
+    /// The part near the collider number `which` of `shape`, which moves over the substep as `poses` say. Of a shape that
+    /// `is_sharp` for the cloth with triangles and edges.
+    pub fn part(
+        &mut self,
+        topology: &Topology,
+        which: usize,
+        shape: &Shape,
+        poses: [Pose; 2],
+        [margin, edge]: [f32; 2],
+        is_sharp: bool,
+    ) -> &Part {
+        let part = &self.parts[which];
+        let is_good = |made: Pose| poses.iter().all(|pose| travel(shape, made, *pose) <= part.room);
+        if !part.made.is_some_and(is_good) {
+            let longest = if is_sharp { self.longest(topology) } else { 0.0 };
+            let Self { anchor, room, parts, local, marks, number, .. } = self;
+            let part = &mut parts[which];
+            part.room = SUBSTEPS * travel(shape, poses[0], poses[1]);
+            part.made = Some(poses[1]);
+            part.longest = longest;
+            let reach = part.room + *room + margin;
+            local.clone_from(anchor);
+            let frame = Frame::new(poses[1]);
+            dispatch!(*LEVEL, simd => for i in (0..local.len() / LANES).map(|group| group * LANES) {
+                frame.inverse_point(simd, Vec3x8::load(simd, local, i)).store(local, i);
+            });
+            part.clear_lists();
+            number.clear();
+            number.resize(anchor.len(), u32::MAX);
+            if is_sharp {
+                shape.features(&mut part.points, &mut part.segments);
+                let far = reach + shape.feature_radius() + BELOW * edge.min(shape.inner_radius());
+                mark(local, &part.points, &part.segments, far + longest, marks);
+                part.list(topology, local, marks, number, far);
+            }
+            part.sharp = part.slots.len();
+            let skin = Vec3::splat(reach);
+            let [low, high] = shape.bounds();
+            let [low, high] = [low - skin, high + skin];
+            for slot in 0..local.len() {
+                let x = local.get(slot);
+                if number[slot] == u32::MAX && x.cmpge(low).all() && x.cmple(high).all() {
+                    part.slots.push(slot as u32);
+                }
+            }
+        }
+        &self.parts[which]
     }
 }
 
 impl Part {
-    /// Lists what is not beyond one side of the box with all its corners.
-    fn list(&mut self, topology: &Topology, beyond: &[u8], number: &mut Vec<u32>, at: &Soa3) {
-        let is_near = |corners: &[u32]| corners.iter().fold(u8::MAX, |all, slot| all & beyond[*slot as usize]) == 0;
-        self.triangles.clear();
-        self.triangles.extend(topology.triangles.iter().filter(|triangle| is_near(*triangle)));
-        self.edges.clear();
-        self.edges.extend(topology.edges.iter().filter(|edge| is_near(*edge)));
-        number.clear();
-        number.resize(beyond.len(), u32::MAX);
-        for slot in self.triangles.as_flattened().iter().chain(self.edges.as_flattened()) {
-            number[*slot as usize] = 0;
-        }
+    fn clear_lists(&mut self) {
         self.slots.clear();
-        for slot in 0..beyond.len() {
-            if number[slot] == 0 {
-                number[slot] = self.slots.len() as u32;
-                self.slots.push(slot as u32);
+        self.triangles.clear();
+        self.edges.clear();
+        self.features.clear();
+        self.points.clear();
+        self.segments.clear();
+    }
+
+    /// Lists what is no farther than `far` from a point or a segment of the collider.
+    fn list(&mut self, topology: &Topology, local: &Soa3, marks: &[Vec<u64>; 2], number: &mut [u32], far: f32) {
+        let Self { slots, triangles, edges, features, points, segments, .. } = self;
+        let at = |slot: u32| local.get(slot as usize);
+        let mut add = |slot: u32| {
+            let number = &mut number[slot as usize];
+            if *number == u32::MAX {
+                *number = slots.len() as u32;
+                slots.push(slot);
+            }
+            *number
+        };
+        let bit = |number: usize| 1_u64 << (number % 64);
+        let common = |marks: &[u64], corners: &[u32]| corners.iter().fold(u64::MAX, |all, i| all & marks[*i as usize]);
+        for triangle in &topology.triangles {
+            let marked = common(&marks[0], triangle);
+            if marked == 0 {
+                continue;
+            }
+            let (first, corners) = (features.len() as u32, triangle.map(at));
+            for (which, point) in points.iter().enumerate().filter(|(which, _)| marked & bit(*which) != 0) {
+                let weights = on_triangle(*point, corners);
+                let nearest: Vec3 = (0..3).map(|i| corners[i] * weights[i]).sum();
+                if nearest.distance(*point) <= far {
+                    features.push(which as u32);
+                }
+            }
+            let near = [first, features.len() as u32];
+            if near[1] > first {
+                triangles.push(Item { corners: triangle.map(&mut add), near });
             }
         }
-        let length = |edge: &[u32; 2]| at.get(edge[0] as usize).distance(at.get(edge[1] as usize));
-        self.longest = self.edges.iter().map(length).fold(0.0, f32::max);
-        let triangles = self.triangles.as_flattened_mut().iter_mut();
-        for corner in triangles.chain(self.edges.as_flattened_mut()) {
-            *corner = number[*corner as usize];
+        for edge in &topology.edges {
+            let marked = common(&marks[1], edge);
+            if marked == 0 {
+                continue;
+            }
+            let (first, ends) = (features.len() as u32, edge.map(at));
+            for (which, segment) in segments.iter().enumerate().filter(|(which, _)| marked & bit(*which) != 0) {
+                let [s, t] = of_segments(ends, *segment);
+                if ends[0].lerp(ends[1], s).distance(segment[0].lerp(segment[1], t)) <= far {
+                    features.push(which as u32);
+                }
+            }
+            let near = [first, features.len() as u32];
+            if near[1] > first {
+                edges.push(Item { corners: edge.map(&mut add), near });
+            }
         }
     }
 }
 
+/// Marks the slots that are nearer than `far` to a point or a segment.
+fn mark(local: &Soa3, points: &[Vec3], segments: &[[Vec3; 2]], far: f32, marks: &mut [Vec<u64>; 2]) {
+    for marks in &mut *marks {
+        marks.clear();
+        marks.resize(local.len(), 0);
+    }
+    let points = points.iter().map(|point| [*point; 2]).enumerate();
+    dispatch!(*LEVEL, simd => {
+        points.for_each(|(which, point)| mark_one(simd, local, point, far, which, &mut marks[0]));
+        let segments = segments.iter().enumerate();
+        segments.for_each(|(which, segment)| mark_one(simd, local, *segment, far, which, &mut marks[1]));
+    });
+}
+
 #[inline(always)]
-fn extent<S: Simd>(simd: S, particles: &Particles, anchor: &Soa3) -> Extent {
-    let infinity = splat(simd, f32::INFINITY);
-    let mut low = Vec3x8 { x: infinity, y: infinity, z: infinity };
-    let mut high = Vec3x8 { x: -infinity, y: -infinity, z: -infinity };
-    let (mut moved, mut strayed) = (splat(simd, 0.0), splat(simd, 0.0));
-    for i in (0..anchor.len() / LANES).map(|group| group * LANES) {
-        let (x, before) = (Vec3x8::load(simd, &particles.position, i), Vec3x8::load(simd, &particles.previous, i));
-        let anchor = Vec3x8::load(simd, anchor, i);
-        for p in [x, before] {
-            low = Vec3x8 { x: low.x.min(p.x), y: low.y.min(p.y), z: low.z.min(p.z) };
-            high = Vec3x8 { x: high.x.max(p.x), y: high.y.max(p.y), z: high.z.max(p.z) };
-            let off = p - anchor;
-            strayed = strayed.max(off.dot(off));
+fn mark_one<S: Simd>(simd: S, local: &Soa3, [a, b]: [Vec3; 2], far: f32, which: usize, marks: &mut [u64]) {
+    let along = b - a;
+    let per_square = splat(simd, if a == b { 0.0 } else { 1.0 / along.length_squared() });
+    let [start, along] = [a, along].map(|v| Vec3x8::splat(simd, v));
+    let (far, zero, one) = (splat(simd, far * far), splat(simd, 0.0), splat(simd, 1.0));
+    for i in (0..local.len() / LANES).map(|group| group * LANES) {
+        let off = Vec3x8::load(simd, local, i) - start;
+        let away = off - along * (off.dot(along) * per_square).max(zero).min(one);
+        let mut near = away.dot(away).simd_le(far).to_bitmask();
+        while near != 0 {
+            marks[i + near.trailing_zeros() as usize] |= 1 << (which % 64);
+            near &= near - 1;
         }
-        let way = x - before;
-        moved = moved.max(way.dot(way));
     }
-    Extent {
-        low: Vec3::new(low.x.reduce_min(), low.y.reduce_min(), low.z.reduce_min()),
-        high: Vec3::new(high.x.reduce_max(), high.y.reduce_max(), high.z.reduce_max()),
-        moved: moved.reduce_max().sqrt(),
-        strayed: strayed.reduce_max().sqrt(),
+}
+
+/// The largest distance between entries of `a` and `b`, m; infinite where one is not a number.
+#[inline(always)]
+fn farthest<S: Simd>(simd: S, a: &Soa3, b: &Soa3) -> f32 {
+    let mut most = splat(simd, 0.0);
+    for i in (0..a.len() / LANES).map(|group| group * LANES) {
+        let way = Vec3x8::load(simd, a, i) - Vec3x8::load(simd, b, i);
+        most = most.max(way.dot(way));
     }
+    most.reduce_max().sqrt()
 }

@@ -55,9 +55,37 @@ pub(super) struct Patch {
     buried: f32,
     /// The largest push of the last pass, m.
     pub pushed: f32,
+    /// How many triangles and edges were pushed.
+    pub pushes: u32,
+}
+
+/// The farthest that cloth may move against a solid of `shape` in one stage, m.
+pub(super) fn longest_stage(shape: &Shape) -> f32 {
+    shape.inner_radius() * if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE }
 }
 
 impl Patch {
+    /// Lets the triangles and edges of `part` meet a collider that its particles have met, and that moves little from the first
+    /// of `poses` to the second.
+    pub fn touch(
+        &mut self,
+        particles: &mut Particles,
+        part: &Part,
+        shape: &Shape,
+        poses: [Pose; 2],
+        answer: &Answer,
+        h: f32,
+    ) -> Found {
+        let (frames, slots) = (poses.map(Frame::new), &part.slots[..part.sharp]);
+        dispatch!(*LEVEL, simd => {
+            self.gather(simd, particles, slots, shape, frames, h);
+            self.find_planes(simd, shape, answer.margin);
+        });
+        features::meet(self, part, shape, answer);
+        dispatch!(*LEVEL, simd => self.scatter(simd, particles, slots, frames, h));
+        Found { touching: self.pushes, deepest: self.deepest, ..Found::default() }
+    }
+
     /// Lets `part` of the cloth meet a collider that moves from the first of `poses` to the second.
     pub fn collide(
         &mut self,
@@ -68,23 +96,21 @@ impl Patch {
         answer: &Answer,
         h: f32,
     ) -> Found {
-        let frames = poses.map(Frame::new);
-        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, part, shape, frames, h));
+        let (frames, slots) = (poses.map(Frame::new), &part.slots[..]);
+        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, shape, frames, h));
         // Nothing to do if no edge is as long as the nearest particle is away.
         if nearest - farthest > answer.margin + part.longest {
             return Found::default();
         }
-        (self.deepest, self.buried) = (0.0, 0.0);
-        let stage = if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE };
-        let step = (stage * shape.inner_radius()).max(farthest / MOST_STAGES);
+        let step = longest_stage(shape).max(farthest / MOST_STAGES);
         if farthest <= step {
             self.meet(part, shape, answer, 1);
         } else {
             self.advance(part, shape, answer, farthest, step);
         }
-        dispatch!(*LEVEL, simd => self.scatter(simd, particles, part, frames, h));
+        dispatch!(*LEVEL, simd => self.scatter(simd, particles, slots, frames, h));
         let touching = self.touched.iter().map(|touched| u32::from(*touched)).sum();
-        Found { touching, deepest: self.deepest, buried: self.buried }
+        Found { touching, deepest: self.deepest, buried: self.buried, nearest: f32::NEG_INFINITY }
     }
 
     /// Takes the substep in stages.
@@ -122,15 +148,15 @@ impl Patch {
         &mut self,
         simd: S,
         particles: &Particles,
-        part: &Part,
+        slots: &[u32],
         shape: &Shape,
         [from, to]: [Frame; 2],
         h: f32,
     ) -> (f32, f32) {
-        self.fit(part.slots.len());
+        self.fit(slots.len());
         let step = splat(simd, h);
         let (mut farthest, mut nearest) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
-        for (group, slots) in part.slots.chunks(LANES).enumerate() {
+        for (group, slots) in slots.chunks(LANES).enumerate() {
             // Padding repeats the last particle, and cannot move.
             let slot = |lane: usize| slots[lane.min(slots.len() - 1)] as usize;
             let of = |all: &[f32]| load(simd, &std::array::from_fn::<f32, LANES, _>(|lane| all[slot(lane)]), 0);
@@ -166,6 +192,7 @@ impl Patch {
             }
         }
         self.shift.fill(Vec3::ZERO);
+        (self.deepest, self.buried, self.pushes) = (0.0, 0.0, 0);
         self.height.resize(slots, 0.0);
         self.inverse_mass.resize(slots, 0.0);
         self.touched.clear();
@@ -182,6 +209,18 @@ impl Patch {
             least = least.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
         }
         least.reduce_min()
+    }
+
+    /// Finds the plane that each particle is beyond.
+    #[inline(always)]
+    fn find_planes<S: Simd>(&mut self, simd: S, shape: &Shape, margin: f32) {
+        let (margin, zero) = (splat(simd, margin), splat(simd, 0.0));
+        for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
+            let now = Vec3x8::load(simd, &self.now, i);
+            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            normal.store(&mut self.normal, i);
+            store(now.dot(normal) - distance, &mut self.height, i);
+        }
     }
 
     #[inline(always)]
@@ -218,9 +257,9 @@ impl Patch {
 
     /// Puts back what touched.
     #[inline(always)]
-    fn scatter<S: Simd>(&self, simd: S, particles: &mut Particles, part: &Part, [from, to]: [Frame; 2], h: f32) {
+    fn scatter<S: Simd>(&self, simd: S, particles: &mut Particles, slots: &[u32], [from, to]: [Frame; 2], h: f32) {
         let per_step = splat(simd, 1.0 / h);
-        for (group, slots) in part.slots.chunks(LANES).enumerate() {
+        for (group, slots) in slots.chunks(LANES).enumerate() {
             let i = group * LANES;
             if !self.touched[i..i + slots.len()].contains(&true) {
                 continue;

@@ -15,6 +15,8 @@ pub(super) struct Found {
     pub deepest: f32,
     /// How deep in the solid the deepest particle was when the substep began, m.
     pub buried: f32,
+    /// How near the nearest particle is, m.
+    pub nearest: f32,
 }
 
 /// How a contact answers, the same for all of one collider in one substep, or a part of one.
@@ -116,7 +118,7 @@ pub(super) fn meet<S: Simd>(
     }
 }
 
-/// Every free particle against a collider that is met by particles alone.
+/// Every free particle against a collider, in one stage.
 #[inline(always)]
 pub(super) fn respond<S: Simd>(
     simd: S,
@@ -131,11 +133,13 @@ pub(super) fn respond<S: Simd>(
     let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
     let mut found = Found::default();
+    let mut nearest = splat(simd, f32::INFINITY);
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
         let free = load(simd, inverse_mass, i).simd_gt(zero);
         let now = to.inverse_point(simd, x);
         let (distance, normal) = distance_and_normal(simd, shape, now, margin, free);
+        nearest = nearest.min(distance);
         let wanted = free & distance.simd_lt(margin);
         if !wanted.any_true() {
             continue;
@@ -152,8 +156,10 @@ pub(super) fn respond<S: Simd>(
         found.deepest = found.deepest.max(met.depth.reduce_max());
         found.buried = found.buried.max(met.buried.reduce_max());
     }
+    found.nearest = nearest.reduce_min();
     found
 }
+
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see
 /// [`Shape::distance_and_normal`]. Elsewhere a distance that is no smaller than `margin`, or anything where not wanted.
 #[inline(always)]

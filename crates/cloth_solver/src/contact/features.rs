@@ -13,7 +13,7 @@ use glam::Vec3;
 use super::near::Part;
 use super::nearest::{of_segments, on_triangle};
 use super::patch::Patch;
-use super::respond::Answer;
+use super::respond::{AT_ONCE, Answer};
 use super::{ConvexHull, Shape};
 
 /// Sine of the angle below which a cloth edge and an edge of a solid are parallel and have no common normal; then particles and
@@ -134,7 +134,7 @@ fn touch<const N: usize>(
     }
     let (high, depth) = ((pair.distance - keep).max(0.0), depth_at(&pair));
     let time = if depth > 0.0 { high / (high + depth) } else { 1.0 };
-    if time > 0.0 {
+    if high > AT_ONCE * answer.margin || depth <= 0.0 {
         let then: [Vec3; N] = std::array::from_fn(|i| before[i].lerp(now[i], time));
         pair = nearest(then, keep).unwrap_or(pair);
     }

@@ -175,27 +175,34 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     let mut patch = std::mem::take(&mut contacts.patch);
     let mut buried = 0.0_f32;
     let edge = contacts.edge;
-    near.advance(topology, particles, contacts.colliders.len(), edge);
+    near.advance(particles, contacts.colliders.len());
     for (which, collider) in contacts.colliders.iter().enumerate() {
-        let shape = &collider.shape;
-        let poses = [sub.start, sub.end].map(|time| collider.motion.at(time));
+        let (shape, motion) = (&collider.shape, &collider.motion);
+        let poses = if motion.from == motion.to {
+            [motion.to; 2]
+        } else {
+            [sub.start, sub.end].map(|time| motion.at(time))
+        };
         let sag = contacts.sag(shape);
         let is_sharp = sag.is_none();
         let margin = contacts.offset + sag.unwrap_or(0.0);
-        if near.is_clear(particles, which, shape, poses, margin) {
+        if near.is_far(shape, poses, margin)
+            || near.is_clear((topology, particles), which, shape, poses, [margin, edge])
+        {
             continue;
         }
         let answer = Answer::new(collider, margin, sub.h);
         let mut found;
         if near.relative(particles, shape, poses) > patch::longest_stage(shape) {
-            let part = near.part(topology, which, shape, poses, [margin, edge], is_sharp);
+            let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
             found = patch.collide(particles, part, shape, poses, &answer, sub.h);
         } else {
             found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, shape, poses, &answer, sub.h));
-            let longest = if is_sharp { near.longest(topology) } else { 0.0 };
-            near.note(which, poses[1], found.nearest - longest);
-            if is_sharp && found.nearest - longest < margin {
-                let part = near.part(topology, which, shape, poses, [margin, edge], is_sharp);
+            let longest = if is_sharp { near.longest((topology, particles), edge) } else { 0.0 };
+            let gap = found.nearest - longest;
+            near.note((topology, particles), which, poses[1], [gap, edge]);
+            if is_sharp && gap < margin {
+                let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
                 let also = patch.touch(particles, part, shape, poses, &answer, sub.h);
                 found.touching += also.touching;
                 found.deepest = found.deepest.max(also.deepest);

@@ -57,31 +57,26 @@ pub(super) struct Near {
     anchor: Soa3,
     /// How far they may move from there, m.
     room: f32,
-    /// How far the farthest is from there, m.
-    strayed: f32,
+    /// How far the farthest is from there in this substep, m; `None` if not known.
+    strayed: Option<f32>,
+    /// The farthest any moves in this substep, m; `None` if not known.
+    moved: Option<f32>,
+    /// Corners of the box that holds the particles, m.
+    bounds: Option<[Vec3; 2]>,
+    /// Of the box that holds them before and after the substep, m.
+    swept: [Vec3; 2],
     /// What tells one state of the topology from another: triangles, edges, slots in use.
     state: [usize; 3],
     /// In the order of the colliders.
     parts: Vec<Part>,
     /// Length of the longest edge when the lists were made, m; `None` if not known.
     longest: Option<f32>,
-    /// How the particles are spread in this substep; `None` if not known.
-    spread: Option<Spread>,
     /// Positions in the frame of the collider.
     local: Soa3,
     /// For each slot which points and which segments of the collider it is near, a bit each; those 64 apart share one.
     marks: [Vec<u64>; 2],
     /// Number in [`Part::slots`] of each slot.
     number: Vec<u32>,
-}
-
-/// How the particles of a cloth are spread.
-#[derive(Clone, Copy, Debug)]
-struct Spread {
-    /// Corners of the box that holds them, m.
-    bounds: (Vec3, Vec3),
-    /// The farthest any moved in this substep, m.
-    moved: f32,
 }
 
 /// How many substeps of the present speed the skin is made for.
@@ -100,88 +95,105 @@ pub(super) fn travel(shape: &Shape, from: Pose, to: Pose) -> f32 {
 }
 
 impl Near {
-    /// Begins a substep. `edge` is the mean edge length of the cloth, m.
-    pub fn advance(&mut self, topology: &Topology, particles: &Particles, colliders: usize, edge: f32) {
-        let state = [topology.triangles.len(), topology.edges.len(), topology.free as usize];
-        self.spread = None;
+    /// Begins a substep.
+    pub fn advance(&mut self, particles: &Particles, colliders: usize) {
         self.parts.resize_with(colliders, Part::default);
-        if self.state == state && self.anchor.len() == particles.slots() {
-            self.strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &self.anchor));
-            if self.strayed <= self.room {
-                return;
-            }
-        }
-        self.state = state;
-        self.anchor.clone_from(&particles.position);
-        self.strayed = 0.0;
-        self.room = (SUBSTEPS * self.spread(particles).moved).max(SKIN * edge);
-        self.longest = None;
-        for part in &mut self.parts {
-            (part.made, part.clear) = (None, None);
-        }
+        let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
+        let [low_before, high_before] = self.bounds.unwrap_or([low, high]);
+        self.swept = [low.min(low_before), high.max(high_before)];
+        self.bounds = Some([low, high]);
+        self.strayed = None;
+        self.moved = None;
     }
 
-    fn spread(&mut self, particles: &Particles) -> Spread {
-        *self.spread.get_or_insert_with(|| {
-            dispatch!(*LEVEL, simd => Spread {
-                bounds: bounds(simd, &particles.position),
-                moved: farthest(simd, &particles.position, &particles.previous),
-            })
-        })
+    /// How far any particle is from its anchor, m; with new anchors if that is too far.
+    fn strayed(&mut self, topology: &Topology, particles: &Particles, edge: f32) -> f32 {
+        if let Some(strayed) = self.strayed {
+            return strayed;
+        }
+        let state = [topology.triangles.len(), topology.edges.len(), topology.free as usize];
+        let mut strayed = f32::INFINITY;
+        if self.state == state && self.anchor.len() == particles.slots() {
+            strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &self.anchor));
+        }
+        if !(strayed <= self.room) {
+            self.state = state;
+            self.anchor.clone_from(&particles.position);
+            self.room = (SUBSTEPS * self.moved(particles)).max(SKIN * edge);
+            self.longest = None;
+            for part in &mut self.parts {
+                (part.made, part.clear) = (None, None);
+            }
+            strayed = 0.0;
+        }
+        self.strayed = Some(strayed);
+        strayed
+    }
+
+    /// The farthest any particle moves in this substep, m.
+    fn moved(&mut self, particles: &Particles) -> f32 {
+        let find = || dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &particles.previous));
+        *self.moved.get_or_insert_with(find)
     }
 
     /// How far any particle moves in this substep against a collider, m, at most.
     pub fn relative(&mut self, particles: &Particles, shape: &Shape, [from, to]: [Pose; 2]) -> f32 {
-        let turn = from.rotation.angle_between(to.rotation);
-        let radius = shape.bounding_radius();
-        let arm = if radius.is_finite() { radius } else { 0.0 };
-        self.spread(particles).moved + from.position.distance(to.position) + turn * arm
+        self.moved(particles) + travel(shape, from, to)
+    }
+
+    /// Whether the boxes around cloth and collider, as they move in this substep, are farther than `margin` from each other.
+    pub fn is_far(&self, shape: &Shape, poses: [Pose; 2], margin: f32) -> bool {
+        let [low, high] = self.swept;
+        if matches!(shape, Shape::HalfSpace) {
+            // The corner of the box that is lowest above the plane.
+            let up = poses[1].rotation * Vec3::Y;
+            let lowest = Vec3::select(up.cmpge(Vec3::ZERO), low, high);
+            return up.dot(lowest - poses[1].position) >= margin;
+        }
+        let [from, to] = poses.map(|pose| pose.position);
+        let middle = 0.5 * (from + to);
+        let away = middle - middle.clamp(low, high);
+        away.length() > shape.bounding_radius() + margin + 0.5 * from.distance(to)
     }
 
     /// Whether the collider number `which` stays farther than `margin` away from the cloth, as far as is known from earlier
-    /// substeps or from the boxes around them.
+    /// substeps. `edge` is the mean edge length of the cloth, m.
     pub fn is_clear(
         &mut self,
-        particles: &Particles,
+        (topology, particles): (&Topology, &Particles),
         which: usize,
         shape: &Shape,
         poses: [Pose; 2],
-        margin: f32,
+        [margin, edge]: [f32; 2],
     ) -> bool {
         let part = &mut self.parts[which];
         if !part.shape.as_ref().is_some_and(|known| known.is_same(shape)) {
             (part.shape, part.made, part.clear) = (Some(shape.clone()), None, None);
         }
-        if let Some((made, gap)) = part.clear {
-            let moved = poses.map(|pose| travel(shape, made, pose));
-            if gap - self.strayed - moved[0].max(moved[1]) > margin {
-                return true;
-            }
+        let Some((made, gap)) = part.clear else { return false };
+        let moved = poses.map(|pose| travel(shape, made, pose));
+        let left = gap - moved[0].max(moved[1]) - margin;
+        left > 0.0 && {
+            let strayed = self.strayed(topology, particles, edge);
+            self.parts[which].clear.is_some() && left > strayed
         }
-        let Spread { bounds: (low, high), moved } = self.spread(particles);
-        let [from, to] = poses;
-        let gap = if matches!(shape, Shape::HalfSpace) {
-            let up = to.rotation * Vec3::Y;
-            let lowest = Vec3::select(up.cmpge(Vec3::ZERO), low, high);
-            up.dot(lowest - to.position)
-        } else {
-            let away = to.position - to.position.clamp(low, high);
-            away.length() - shape.bounding_radius()
-        };
-        let is_clear = gap - moved - travel(shape, from, to) > margin;
-        if is_clear {
-            self.note(which, to, gap);
-        }
-        is_clear
     }
 
     /// Remembers that no point of the cloth is nearer than `gap` (m) to the collider number `which`, which stands at `pose`.
-    pub fn note(&mut self, which: usize, pose: Pose, gap: f32) {
-        self.parts[which].clear = Some((pose, gap - self.strayed));
+    pub fn note(
+        &mut self,
+        (topology, particles): (&Topology, &Particles),
+        which: usize,
+        pose: Pose,
+        [gap, edge]: [f32; 2],
+    ) {
+        let strayed = if gap > 0.0 { self.strayed(topology, particles, edge) } else { 0.0 };
+        self.parts[which].clear = Some((pose, gap - strayed));
     }
 
     /// Length of the longest edge of the cloth, m, at most.
-    pub fn longest(&mut self, topology: &Topology) -> f32 {
+    pub fn longest(&mut self, (topology, particles): (&Topology, &Particles), edge: f32) -> f32 {
+        self.strayed(topology, particles, edge);
         let length = |edge: &[u32; 2]| self.anchor.get(edge[0] as usize).distance(self.anchor.get(edge[1] as usize));
         let find = || topology.edges.iter().map(length).fold(0.0, f32::max);
         *self.longest.get_or_insert_with(find) + 2.0 * self.room
@@ -191,17 +203,18 @@ impl Near {
     /// `is_sharp` for the cloth with triangles and edges.
     pub fn part(
         &mut self,
-        topology: &Topology,
+        (topology, particles): (&Topology, &Particles),
         which: usize,
         shape: &Shape,
         poses: [Pose; 2],
         [margin, edge]: [f32; 2],
         is_sharp: bool,
     ) -> &Part {
+        self.strayed(topology, particles, edge);
         let part = &self.parts[which];
         let is_good = |made: Pose| poses.iter().all(|pose| travel(shape, made, *pose) <= part.room);
         if !part.made.is_some_and(is_good) {
-            let longest = if is_sharp { self.longest(topology) } else { 0.0 };
+            let longest = if is_sharp { self.longest((topology, particles), edge) } else { 0.0 };
             let Self { anchor, room, parts, local, marks, number, .. } = self;
             let part = &mut parts[which];
             part.room = SUBSTEPS * travel(shape, poses[0], poses[1]);

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::{Collider, DEPENETRATION_SPEED, Shape};
 use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat};
@@ -43,6 +43,9 @@ impl Answer {
         Self { way_out: self.way_out * part, part, ..self }
     }
 }
+
+/// What was no farther from the distance kept than this part of it touched from the start.
+pub(super) const AT_ONCE: f32 = 0.01;
 
 /// Eight particles against one collider, in its frame.
 #[derive(Clone, Copy)]
@@ -87,14 +90,17 @@ pub(super) fn meet<S: Simd>(
     let Eight { before, now, slip } = of;
     let (margin, zero, one) = (splat(simd, answer.margin), splat(simd, 0.0), splat(simd, 1.0));
     let tiny = splat(simd, f32::MIN_POSITIVE);
-    let (distance_before, _) = distance_and_normal(simd, shape, before, margin, wanted);
+    let (distance_before, normal_before) = distance_and_normal(simd, shape, before, margin, wanted);
     let buried = distance_before.simd_lt(zero);
-    // Along the way the distance to a convex solid is a convex function: the chord through its ends meets the distance kept no
-    // earlier than the way does.
     let high = (distance_before - margin).max(zero);
-    let time = (high / (high + margin - distance).max(tiny)).max(zero).min(one);
-    let entry = before + (now - before) * time;
-    let (entry_distance, entry_normal) = distance_and_normal(simd, shape, entry, margin, wanted);
+    let (mut entry, mut entry_distance, mut entry_normal) = (before, distance_before, normal_before);
+    if (wanted & high.simd_gt(margin * splat(simd, AT_ONCE))).any_true() {
+        // Along the way the distance to a convex solid is a convex function: the chord through its ends meets the distance kept no
+        // earlier than the way does.
+        let time = (high / (high + margin - distance).max(tiny)).max(zero).min(one);
+        entry = before + (now - before) * time;
+        (entry_distance, entry_normal) = distance_and_normal(simd, shape, entry, margin, wanted);
+    }
     let entry_depth = margin - entry_distance + (entry - now).dot(entry_normal);
     let normal = select(buried, normal, entry_normal);
     let depth = buried.select(margin - distance, entry_depth).max(zero);
@@ -124,6 +130,29 @@ pub(super) fn respond<S: Simd>(
     simd: S,
     particles: &mut Particles,
     shape: &Shape,
+    mut poses: [Pose; 2],
+    answer: &Answer,
+    h: f32,
+) -> Found {
+    if matches!(shape, Shape::Sphere { .. }) && poses[0].rotation == poses[1].rotation {
+        // A ball that does not spin looks the same from all sides.
+        poses = poses.map(|pose| Pose::new(pose.position, Quat::IDENTITY));
+    }
+    let is_still = poses[0] == poses[1];
+    match (is_still, poses.iter().all(|pose| pose.rotation == Quat::IDENTITY)) {
+        (true, true) => respond_in::<S, true, true>(simd, particles, shape, poses, answer, h),
+        (true, false) => respond_in::<S, true, false>(simd, particles, shape, poses, answer, h),
+        (false, true) => respond_in::<S, false, true>(simd, particles, shape, poses, answer, h),
+        (false, false) => respond_in::<S, false, false>(simd, particles, shape, poses, answer, h),
+    }
+}
+
+/// [`respond`] to a collider that is `STILL` in this substep or not, and whose frame is `PARALLEL` to that of the cloth or not.
+#[inline(always)]
+fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
+    simd: S,
+    particles: &mut Particles,
+    shape: &Shape,
     [start, end]: [Pose; 2],
     answer: &Answer,
     h: f32,
@@ -132,31 +161,43 @@ pub(super) fn respond<S: Simd>(
     let (from, to) = (Frame::new(start), Frame::new(end));
     let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
+    let turned_back = |frame: &Frame, v| if PARALLEL { v } else { frame.inverse_direction(simd, v) };
+    let turned = |frame: &Frame, v| if PARALLEL { v } else { frame.direction(simd, v) };
+    let local = |frame: &Frame, p: Vec3x8<S>| turned_back(frame, p - Vec3x8::splat(simd, frame.origin));
+    let placed = |frame: &Frame, p| turned(frame, p) + Vec3x8::splat(simd, frame.origin);
     let mut found = Found::default();
-    let mut nearest = splat(simd, f32::INFINITY);
+    let (mut nearest, mut deepest, mut buried) = (splat(simd, f32::INFINITY), zero, zero);
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
         let free = load(simd, inverse_mass, i).simd_gt(zero);
-        let now = to.inverse_point(simd, x);
+        let now = local(&to, x);
         let (distance, normal) = distance_and_normal(simd, shape, now, margin, free);
         nearest = nearest.min(distance);
         let wanted = free & distance.simd_lt(margin);
         if !wanted.any_true() {
             continue;
         }
-        let before = from.inverse_point(simd, Vec3x8::load(simd, previous, i));
+        let before = local(&from, Vec3x8::load(simd, previous, i));
         let v = Vec3x8::load(simd, velocity, i);
-        let slip = from.inverse_direction(simd, v * step) + (now - from.inverse_point(simd, x));
+        let mut slip = turned_back(&from, v * step);
+        if !STILL {
+            slip = slip + (now - local(&from, x));
+        }
         let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
-        (x + to.direction(simd, met.shift)).store(position, i);
-        let at = now + met.shift;
-        let left = (from.direction(simd, met.slip) + (to.point(simd, at) - from.point(simd, at))) * per_step;
-        select(met.hit, left, v).store(velocity, i);
+        (x + turned(&to, met.shift)).store(position, i);
+        let mut left = turned(&from, met.slip);
+        if !STILL {
+            let at = now + met.shift;
+            left = left + (placed(&to, at) - placed(&from, at));
+        }
+        select(met.hit, left * per_step, v).store(velocity, i);
         found.touching += met.hit.to_bitmask().count_ones();
-        found.deepest = found.deepest.max(met.depth.reduce_max());
-        found.buried = found.buried.max(met.buried.reduce_max());
+        deepest = deepest.max(met.depth);
+        buried = buried.max(met.buried);
     }
     found.nearest = nearest.reduce_min();
+    found.deepest = deepest.reduce_max();
+    found.buried = buried.reduce_max();
     found
 }
 

@@ -122,6 +122,10 @@ fn touch<const N: usize>(
     let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
     let depth_at = |pair: &Pair<N>| keep - pair.normal.dot(blend(pair.weights, now) - pair.core);
     let Some(mut pair) = nearest(before, keep + moved) else {
+        // In a quiet substep nothing gets in: pushed out here, taut cloth over an edge would never rest.
+        if answer.part >= 1.0 {
+            return;
+        }
         let outside = nearest(now, keep).map(|pair| (pair, keep - pair.distance));
         if let Some((pair, depth)) = outside.or_else(|| inside(now)).filter(|(_, depth)| *depth > 0.0) {
             push(patch, corners, &pair, depth, shape, answer);
@@ -226,12 +230,7 @@ fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32)
 }
 
 /// The way off the corner of a solid that sticks through a triangle, and how far it is, m.
-fn triangle_over_corners(
-    hull: &ConvexHull,
-    near: &[u32],
-    points: [Vec3; 3],
-    margin: f32,
-) -> Option<(Pair<3>, f32)> {
+fn triangle_over_corners(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
     let most_depth = most_depth(hull, points, margin);
     let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
     let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
@@ -254,12 +253,7 @@ fn edges_from(hull: &ConvexHull, corner: usize) -> impl Iterator<Item = Vec3> {
 /// The way off the corner of a solid of which all edges pass through a triangle, and how far it is, m: from the middle of where they
 /// do to the corner, if that is nearer than their other ends. Near a sharp corner the way out through a face may be shorter, and
 /// leads nowhere: no particle is inside.
-fn triangle_around_corner(
-    hull: &ConvexHull,
-    near: &[u32],
-    points: [Vec3; 3],
-    margin: f32,
-) -> Option<(Pair<3>, f32)> {
+fn triangle_around_corner(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
     let across = (points[1] - points[0]).cross(points[2] - points[0]);
     let area = across.length_squared();
     let ways = corners_of(hull, near).filter_map(|(which, &core)| {

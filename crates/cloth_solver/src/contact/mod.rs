@@ -59,6 +59,8 @@ pub struct Contacts {
     span: f32,
     near: Near,
     patch: Patch,
+    /// 1 for slots that touched in this substep.
+    touched: Vec<f32>,
     /// While the cloth leaves a solid that it was deep inside of.
     leaving: Option<Leaving>,
 }
@@ -173,16 +175,15 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
     let mut near = std::mem::take(&mut contacts.near);
     let mut patch = std::mem::take(&mut contacts.patch);
+    let mut touched = std::mem::take(&mut contacts.touched);
+    touched.resize(particles.slots(), 0.0);
     let mut buried = 0.0_f32;
     let edge = contacts.edge;
     near.advance(particles, contacts.colliders.len());
     for (which, collider) in contacts.colliders.iter().enumerate() {
         let (shape, motion) = (&collider.shape, &collider.motion);
-        let poses = if motion.from == motion.to {
-            [motion.to; 2]
-        } else {
-            [sub.start, sub.end].map(|time| motion.at(time))
-        };
+        let poses =
+            if motion.from == motion.to { [motion.to; 2] } else { [sub.start, sub.end].map(|time| motion.at(time)) };
         let sag = contacts.sag(shape);
         let is_sharp = sag.is_none();
         let margin = contacts.offset + sag.unwrap_or(0.0);
@@ -193,17 +194,19 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         }
         let answer = Answer::new(collider, margin, sub.h);
         let mut found;
-        if near.relative(particles, shape, poses) > patch::longest_stage(shape) {
+        if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
-            found = patch.collide(particles, part, shape, poses, &answer, sub.h);
+            found = patch.collide((particles, &mut touched), part, shape, poses, &answer, sub.h);
         } else {
-            found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, shape, poses, &answer, sub.h));
+            found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, &mut touched, shape, poses, &answer, sub.h));
             let longest = if is_sharp { near.longest((topology, particles), edge) } else { 0.0 };
             let gap = found.nearest - longest;
-            near.note((topology, particles), which, poses[1], [gap, edge]);
+            if gap > margin {
+                near.note((topology, particles), which, poses[1], [gap, edge]);
+            }
             if is_sharp && gap < margin {
                 let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
-                let also = patch.touch(particles, part, shape, poses, &answer, sub.h);
+                let also = patch.touch((particles, &mut touched), part, shape, poses, &answer, sub.h);
                 found.touching += also.touching;
                 found.deepest = found.deepest.max(also.deepest);
             }
@@ -212,7 +215,8 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         contacts.deepest = contacts.deepest.max(found.deepest);
         buried = buried.max(found.buried);
     }
-    (contacts.near, contacts.patch) = (near, patch);
+    near.take_touched(&mut touched);
+    (contacts.near, contacts.patch, contacts.touched) = (near, patch, touched);
     let calm = if buried > DEEP * edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }

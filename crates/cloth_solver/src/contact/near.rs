@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::nearest::{of_segments, on_triangle};
 use super::{Shape, bounds};
-use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, splat};
+use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat};
 use crate::{Particles, Pose, Soa3, Topology};
 
 /// A triangle or edge, and the corners or edges of the collider that it may touch.
@@ -61,6 +61,8 @@ pub(super) struct Near {
     strayed: Option<f32>,
     /// The farthest any moves in this substep, m; `None` if not known.
     moved: Option<f32>,
+    /// 1 for slots that touched a collider in the last substep, 0 for the others.
+    touched: Vec<f32>,
     /// Corners of the box that holds the particles, m.
     bounds: Option<[Vec3; 2]>,
     /// Of the box that holds them before and after the substep, m.
@@ -85,8 +87,14 @@ const SUBSTEPS: f32 = 4.0;
 /// The least thickness of the skin in mean edges.
 const SKIN: f32 = 0.15;
 
+/// What bears a load is drawn in by less than that many mean edges in a substep.
+const DRAWN: f32 = 0.5;
+
+/// A skin that many times as thick as it would be made now is made again.
+const TOO_MUCH: f32 = 3.0;
+
 /// How far below the edge of a solid a cloth edge may be and still find its way out, in mean edges.
-const BELOW: f32 = 0.25;
+const BELOW: f32 = 0.1;
 
 /// How far any point of `shape` moves from one pose to another, m, at most.
 pub(super) fn travel(shape: &Shape, from: Pose, to: Pose) -> f32 {
@@ -114,12 +122,13 @@ impl Near {
         let state = [topology.triangles.len(), topology.edges.len(), topology.free as usize];
         let mut strayed = f32::INFINITY;
         if self.state == state && self.anchor.len() == particles.slots() {
-            strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &self.anchor));
+            strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.previous, &self.anchor, None));
         }
-        if !(strayed <= self.room) {
+        let wanted = (SUBSTEPS * self.moved(particles, edge)).max(SKIN * edge);
+        if !(strayed <= self.room) || self.room > TOO_MUCH * wanted {
             self.state = state;
-            self.anchor.clone_from(&particles.position);
-            self.room = (SUBSTEPS * self.moved(particles)).max(SKIN * edge);
+            self.anchor.clone_from(&particles.previous);
+            self.room = wanted.max(if strayed > self.room { strayed.min(edge) } else { 0.0 });
             self.longest = None;
             for part in &mut self.parts {
                 (part.made, part.clear) = (None, None);
@@ -130,15 +139,31 @@ impl Near {
         strayed
     }
 
-    /// The farthest any particle moves in this substep, m.
-    fn moved(&mut self, particles: &Particles) -> f32 {
-        let find = || dispatch!(*LEVEL, simd => farthest(simd, &particles.position, &particles.previous));
-        *self.moved.get_or_insert_with(find)
+    /// The farthest any particle moves in this substep, m. Without those that touched in the last one: what bears a load is drawn
+    /// into the collider by h² F/m, and is not under way; unless it is too far for that.
+    fn moved(&mut self, particles: &Particles, edge: f32) -> f32 {
+        let Particles { position, previous, .. } = particles;
+        if let Some(moved) = self.moved {
+            return moved;
+        }
+        let mut moved = dispatch!(*LEVEL, simd => farthest(simd, position, previous, None));
+        if moved < DRAWN * edge && self.touched.len() == position.len() {
+            moved = dispatch!(*LEVEL, simd => farthest(simd, position, previous, Some(&self.touched)));
+        }
+        self.moved = Some(moved);
+        moved
+    }
+
+    /// Takes note of which slots touched a collider: 1 in `touched`, else 0. Leaves them all 0.
+    pub fn take_touched(&mut self, touched: &mut Vec<f32>) {
+        std::mem::swap(&mut self.touched, touched);
+        touched.clear();
+        touched.resize(self.touched.len(), 0.0);
     }
 
     /// How far any particle moves in this substep against a collider, m, at most.
-    pub fn relative(&mut self, particles: &Particles, shape: &Shape, [from, to]: [Pose; 2]) -> f32 {
-        self.moved(particles) + travel(shape, from, to)
+    pub fn relative(&mut self, particles: &Particles, shape: &Shape, [from, to]: [Pose; 2], edge: f32) -> f32 {
+        self.moved(particles, edge) + travel(shape, from, to)
     }
 
     /// Whether the boxes around cloth and collider, as they move in this substep, are farther than `margin` from each other.
@@ -175,7 +200,7 @@ impl Near {
         let left = gap - moved[0].max(moved[1]) - margin;
         left > 0.0 && {
             let strayed = self.strayed(topology, particles, edge);
-            self.parts[which].clear.is_some() && left > strayed
+            self.parts[which].clear.is_some() && left > strayed + self.moved(particles, edge)
         }
     }
 
@@ -187,8 +212,8 @@ impl Near {
         pose: Pose,
         [gap, edge]: [f32; 2],
     ) {
-        let strayed = if gap > 0.0 { self.strayed(topology, particles, edge) } else { 0.0 };
-        self.parts[which].clear = Some((pose, gap - strayed));
+        let gap = gap - self.moved(particles, edge) - self.strayed(topology, particles, edge);
+        self.parts[which].clear = Some((pose, gap));
     }
 
     /// Length of the longest edge of the cloth, m, at most.
@@ -212,12 +237,14 @@ impl Near {
     ) -> &Part {
         self.strayed(topology, particles, edge);
         let part = &self.parts[which];
-        let is_good = |made: Pose| poses.iter().all(|pose| travel(shape, made, *pose) <= part.room);
+        let wanted = SUBSTEPS * travel(shape, poses[0], poses[1]);
+        let is_lean = part.room <= TOO_MUCH * wanted.max(SKIN * edge);
+        let is_good = |made: Pose| is_lean && poses.iter().all(|pose| travel(shape, made, *pose) <= part.room);
         if !part.made.is_some_and(is_good) {
             let longest = if is_sharp { self.longest((topology, particles), edge) } else { 0.0 };
             let Self { anchor, room, parts, local, marks, number, .. } = self;
             let part = &mut parts[which];
-            part.room = SUBSTEPS * travel(shape, poses[0], poses[1]);
+            part.room = wanted;
             part.made = Some(poses[1]);
             part.longest = longest;
             let reach = part.room + *room + margin;
@@ -318,11 +345,13 @@ fn mark(local: &Soa3, points: &[Vec3], segments: &[[Vec3; 2]], far: f32, marks: 
         marks.clear();
         marks.resize(local.len(), 0);
     }
-    let points = points.iter().map(|point| [*point; 2]).enumerate();
     dispatch!(*LEVEL, simd => {
-        points.for_each(|(which, point)| mark_one(simd, local, point, far, which, &mut marks[0]));
-        let segments = segments.iter().enumerate();
-        segments.for_each(|(which, segment)| mark_one(simd, local, *segment, far, which, &mut marks[1]));
+        for (which, point) in points.iter().enumerate() {
+            mark_one(simd, local, [*point; 2], far, which, &mut marks[0]);
+        }
+        for (which, segment) in segments.iter().enumerate() {
+            mark_one(simd, local, *segment, far, which, &mut marks[1]);
+        }
     });
 }
 
@@ -343,13 +372,18 @@ fn mark_one<S: Simd>(simd: S, local: &Soa3, [a, b]: [Vec3; 2], far: f32, which: 
     }
 }
 
-/// The largest distance between entries of `a` and `b`, m; infinite where one is not a number.
+/// The largest distance between entries of `a` and `b` that are not `left_out` (1, else 0), m.
 #[inline(always)]
-fn farthest<S: Simd>(simd: S, a: &Soa3, b: &Soa3) -> f32 {
-    let mut most = splat(simd, 0.0);
+fn farthest<S: Simd>(simd: S, a: &Soa3, b: &Soa3, left_out: Option<&[f32]>) -> f32 {
+    let (mut most, one) = (splat(simd, 0.0), splat(simd, 1.0));
     for i in (0..a.len() / LANES).map(|group| group * LANES) {
         let way = Vec3x8::load(simd, a, i) - Vec3x8::load(simd, b, i);
-        most = most.max(way.dot(way));
+        let square = way.dot(way);
+        let part = match left_out {
+            Some(left_out) => one - load(simd, left_out, i),
+            None => one,
+        };
+        most = most.max(square * part);
     }
     most.reduce_max().sqrt()
 }

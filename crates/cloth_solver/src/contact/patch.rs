@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::near::Part;
 use super::respond::{Answer, Eight, Found, distance_and_normal, meet};
 use super::{Shape, features};
+use crate::batch::gather3;
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
 
@@ -69,7 +70,7 @@ impl Patch {
     /// of `poses` to the second.
     pub fn touch(
         &mut self,
-        particles: &mut Particles,
+        (particles, touched): (&mut Particles, &mut [f32]),
         part: &Part,
         shape: &Shape,
         poses: [Pose; 2],
@@ -82,14 +83,14 @@ impl Patch {
             self.find_planes(simd, shape, answer.margin);
         });
         features::meet(self, part, shape, answer);
-        dispatch!(*LEVEL, simd => self.scatter(simd, particles, slots, frames, h));
+        dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
         Found { touching: self.pushes, deepest: self.deepest, ..Found::default() }
     }
 
     /// Lets `part` of the cloth meet a collider that moves from the first of `poses` to the second.
     pub fn collide(
         &mut self,
-        particles: &mut Particles,
+        (particles, touched): (&mut Particles, &mut [f32]),
         part: &Part,
         shape: &Shape,
         poses: [Pose; 2],
@@ -108,7 +109,7 @@ impl Patch {
         } else {
             self.advance(part, shape, answer, farthest, step);
         }
-        dispatch!(*LEVEL, simd => self.scatter(simd, particles, slots, frames, h));
+        dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
         let touching = self.touched.iter().map(|touched| u32::from(*touched)).sum();
         Found { touching, deepest: self.deepest, buried: self.buried, nearest: f32::NEG_INFINITY }
     }
@@ -158,23 +159,22 @@ impl Patch {
         let (mut farthest, mut nearest) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
         for (group, slots) in slots.chunks(LANES).enumerate() {
             // Padding repeats the last particle, and cannot move.
-            let slot = |lane: usize| slots[lane.min(slots.len() - 1)] as usize;
-            let of = |all: &[f32]| load(simd, &std::array::from_fn::<f32, LANES, _>(|lane| all[slot(lane)]), 0);
-            let vector = |all: &Soa3| Vec3x8 { x: of(&all.x), y: of(&all.y), z: of(&all.z) };
-            let x = vector(&particles.position);
+            let mut eight = [slots[slots.len() - 1]; LANES];
+            eight[..slots.len()].copy_from_slice(slots);
+            let x = gather3(simd, &particles.position, &eight);
             let now = to.inverse_point(simd, x);
-            let before = from.inverse_point(simd, vector(&particles.previous));
+            let before = from.inverse_point(simd, gather3(simd, &particles.previous, &eight));
             let way = now - before;
-            let slip =
-                from.inverse_direction(simd, vector(&particles.velocity) * step) + (now - from.inverse_point(simd, x));
+            let velocity = gather3(simd, &particles.velocity, &eight);
+            let slip = from.inverse_direction(simd, velocity * step) + (now - from.inverse_point(simd, x));
             let i = group * LANES;
             now.store(&mut self.now, i);
             before.store(&mut self.before, i);
             way.store(&mut self.way, i);
             slip.store(&mut self.slip, i);
             for lane in 0..LANES {
-                self.inverse_mass[i + lane] =
-                    slots.get(lane).map_or(0.0, |slot| particles.inverse_mass[*slot as usize]);
+                let mass = if lane < slots.len() { particles.inverse_mass[eight[lane] as usize] } else { 0.0 };
+                self.inverse_mass[i + lane] = mass;
             }
             farthest = farthest.max(way.dot(way));
             let zero = splat(simd, 0.0);
@@ -257,7 +257,14 @@ impl Patch {
 
     /// Puts back what touched.
     #[inline(always)]
-    fn scatter<S: Simd>(&self, simd: S, particles: &mut Particles, slots: &[u32], [from, to]: [Frame; 2], h: f32) {
+    fn scatter<S: Simd>(
+        &self,
+        simd: S,
+        (particles, touched): (&mut Particles, &mut [f32]),
+        slots: &[u32],
+        [from, to]: [Frame; 2],
+        h: f32,
+    ) {
         let per_step = splat(simd, 1.0 / h);
         for (group, slots) in slots.chunks(LANES).enumerate() {
             let i = group * LANES;
@@ -275,6 +282,7 @@ impl Patch {
                 let slot = *slot as usize;
                 particles.position.set(slot, particles.position.get(slot) + at(shift));
                 particles.velocity.set(slot, at(velocity));
+                touched[slot] = 1.0;
             }
         }
     }

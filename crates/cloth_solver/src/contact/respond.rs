@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::{Quat, Vec3};
 
 use super::{Collider, DEPENETRATION_SPEED, Shape};
-use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat};
+use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat, store};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
@@ -129,6 +129,7 @@ pub(super) fn meet<S: Simd>(
 pub(super) fn respond<S: Simd>(
     simd: S,
     particles: &mut Particles,
+    touched: &mut [f32],
     shape: &Shape,
     mut poses: [Pose; 2],
     answer: &Answer,
@@ -140,10 +141,10 @@ pub(super) fn respond<S: Simd>(
     }
     let is_still = poses[0] == poses[1];
     match (is_still, poses.iter().all(|pose| pose.rotation == Quat::IDENTITY)) {
-        (true, true) => respond_in::<S, true, true>(simd, particles, shape, poses, answer, h),
-        (true, false) => respond_in::<S, true, false>(simd, particles, shape, poses, answer, h),
-        (false, true) => respond_in::<S, false, true>(simd, particles, shape, poses, answer, h),
-        (false, false) => respond_in::<S, false, false>(simd, particles, shape, poses, answer, h),
+        (true, true) => respond_in::<S, true, true>(simd, particles, touched, shape, poses, answer, h),
+        (true, false) => respond_in::<S, true, false>(simd, particles, touched, shape, poses, answer, h),
+        (false, true) => respond_in::<S, false, true>(simd, particles, touched, shape, poses, answer, h),
+        (false, false) => respond_in::<S, false, false>(simd, particles, touched, shape, poses, answer, h),
     }
 }
 
@@ -152,6 +153,7 @@ pub(super) fn respond<S: Simd>(
 fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
     simd: S,
     particles: &mut Particles,
+    touched: &mut [f32],
     shape: &Shape,
     [start, end]: [Pose; 2],
     answer: &Answer,
@@ -161,36 +163,34 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
     let (from, to) = (Frame::new(start), Frame::new(end));
     let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
-    let turned_back = |frame: &Frame, v| if PARALLEL { v } else { frame.inverse_direction(simd, v) };
-    let turned = |frame: &Frame, v| if PARALLEL { v } else { frame.direction(simd, v) };
-    let local = |frame: &Frame, p: Vec3x8<S>| turned_back(frame, p - Vec3x8::splat(simd, frame.origin));
-    let placed = |frame: &Frame, p| turned(frame, p) + Vec3x8::splat(simd, frame.origin);
     let mut found = Found::default();
     let (mut nearest, mut deepest, mut buried) = (splat(simd, f32::INFINITY), zero, zero);
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
         let free = load(simd, inverse_mass, i).simd_gt(zero);
-        let now = local(&to, x);
+        let now = turned_back::<S, PARALLEL>(simd, &to, x - Vec3x8::splat(simd, to.origin));
         let (distance, normal) = distance_and_normal(simd, shape, now, margin, free);
         nearest = nearest.min(distance);
         let wanted = free & distance.simd_lt(margin);
         if !wanted.any_true() {
             continue;
         }
-        let before = local(&from, Vec3x8::load(simd, previous, i));
+        let x_before = Vec3x8::load(simd, previous, i);
+        let before = turned_back::<S, PARALLEL>(simd, &from, x_before - Vec3x8::splat(simd, from.origin));
         let v = Vec3x8::load(simd, velocity, i);
-        let mut slip = turned_back(&from, v * step);
+        let mut slip = turned_back::<S, PARALLEL>(simd, &from, v * step);
         if !STILL {
-            slip = slip + (now - local(&from, x));
+            slip = slip + (now - from.inverse_point(simd, x));
         }
         let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
-        (x + turned(&to, met.shift)).store(position, i);
-        let mut left = turned(&from, met.slip);
+        (x + turned::<S, PARALLEL>(simd, &to, met.shift)).store(position, i);
+        let mut left = turned::<S, PARALLEL>(simd, &from, met.slip);
         if !STILL {
             let at = now + met.shift;
-            left = left + (placed(&to, at) - placed(&from, at));
+            left = left + (to.point(simd, at) - from.point(simd, at));
         }
         select(met.hit, left * per_step, v).store(velocity, i);
+        store(met.hit.select(splat(simd, 1.0), load(simd, touched, i)), touched, i);
         found.touching += met.hit.to_bitmask().count_ones();
         deepest = deepest.max(met.depth);
         buried = buried.max(met.buried);
@@ -199,6 +199,18 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
     found.deepest = deepest.reduce_max();
     found.buried = buried.reduce_max();
     found
+}
+
+/// Takes a direction out of a frame, which may be `PARALLEL` to the space around it.
+#[inline(always)]
+fn turned<S: Simd, const PARALLEL: bool>(simd: S, frame: &Frame, v: Vec3x8<S>) -> Vec3x8<S> {
+    if PARALLEL { v } else { frame.direction(simd, v) }
+}
+
+/// Takes a direction into a frame, which may be `PARALLEL` to the space around it.
+#[inline(always)]
+fn turned_back<S: Simd, const PARALLEL: bool>(simd: S, frame: &Frame, v: Vec3x8<S>) -> Vec3x8<S> {
+    if PARALLEL { v } else { frame.inverse_direction(simd, v) }
 }
 
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see

@@ -125,7 +125,7 @@ impl Near {
             strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.previous, &self.anchor, None));
         }
         let wanted = (SUBSTEPS * self.moved(particles, edge)).max(SKIN * edge);
-        if !(strayed <= self.room) || self.room > TOO_MUCH * wanted {
+        if strayed > self.room || strayed.is_nan() || self.room > TOO_MUCH * wanted {
             self.state = state;
             self.anchor.clone_from(&particles.previous);
             self.room = wanted.max(if strayed > self.room { strayed.min(edge) } else { 0.0 });

@@ -124,8 +124,9 @@ impl Near {
         if self.state == state && self.anchor.len() == particles.slots() {
             strayed = dispatch!(*LEVEL, simd => farthest(simd, &particles.previous, &self.anchor, None));
         }
-        let wanted = (SUBSTEPS * self.moved(particles, edge)).max(SKIN * edge);
-        if strayed > self.room || strayed.is_nan() || self.room > TOO_MUCH * wanted {
+        let moved = self.moved(particles, edge);
+        let wanted = (SUBSTEPS * moved).max(SKIN * edge);
+        if strayed + moved > self.room || strayed.is_nan() || self.room > TOO_MUCH * wanted {
             self.state = state;
             self.anchor.clone_from(&particles.previous);
             self.room = wanted.max(if strayed > self.room { strayed.min(edge) } else { 0.0 });

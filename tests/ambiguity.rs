@@ -16,7 +16,13 @@ fn run_strictly(app: &mut App, schedules: &[InternedScheduleLabel]) {
         });
     }
     app.world_mut()
-        .spawn((Cloth::rectangle(0.5, 0.5), Pins::rods(2), Grabs::default(), ClothStats::default()))
+        .spawn((
+            Cloth::rectangle(0.5, 0.5),
+            Pins::rods(2),
+            Grabs::default(),
+            ClothStats::default(),
+            SelfContact::default(),
+        ))
         .insert((Weights::one(PinSelect::Corners, 0.1), Air::default(), Wind(Vec3::X)));
     app.world_mut().spawn(ClothCollider::Ground);
     app.world_mut().spawn((Fan::default(), WindZone::default()));

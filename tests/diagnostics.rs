@@ -60,3 +60,17 @@ fn a_frame_without_a_tick_adds_no_time() {
     run(&mut app, 5);
     assert_eq!(count(&app), before);
 }
+
+#[test]
+fn cloths_that_sleep_are_counted() {
+    let mut app = headless();
+    app.add_plugins(ClothDiagnosticsPlugin);
+    let cloth = (Cloth::rectangle(0.3, 0.3).with_cells(4, 4), Gravity(Vec3::ZERO));
+    app.world_mut().spawn(cloth.clone());
+    app.world_mut().spawn((cloth.clone(), ClothSleep::NEVER));
+    app.world_mut().spawn(cloth);
+    run(&mut app, 10);
+    assert_eq!(value(&app, &Watch::ASLEEP), 0.0);
+    run(&mut app, 40);
+    assert_eq!(value(&app, &Watch::ASLEEP), 2.0);
+}

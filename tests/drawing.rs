@@ -231,3 +231,20 @@ fn a_rectangle_that_is_no_cloth_any_more_draws_nothing() {
     assert!(!entity.contains::<Aabb>());
     assert_eq!(app.world().resource::<Assets<Mesh>>().len(), 0);
 }
+
+#[test]
+fn a_cloth_that_sleeps_is_drawn_where_it_is_and_its_mesh_is_not_written() {
+    let (mut app, cloth) = drawn(Air::default());
+    common::sleep::run_to_sleep(&mut app, cloth);
+    // Frames that end anywhere between two ticks.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK.mul_f32(0.37)));
+    run(&mut app, 3);
+    let drawn = vectors(&app, cloth, Mesh::ATTRIBUTE_POSITION);
+    let (front, back) = drawn.split_at(25);
+    let middles = front.iter().zip(back).map(|(front, back)| 0.5 * (*front + *back)).collect::<Vec<_>>();
+    let moved = largest_move(&world_positions(&app, cloth), &middles);
+    assert!(moved < 1e-6, "drawn {moved} m from where it is");
+    assert_eq!(writes(&mut app, cloth, 60), 0);
+    app.world_mut().entity_mut(cloth).insert(Gravity(Vec3::X));
+    assert!(writes(&mut app, cloth, 10) >= 9, "it is drawn again once it wakes");
+}

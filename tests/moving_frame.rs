@@ -107,7 +107,8 @@ fn a_rod_that_jumps_takes_its_curtain_along_and_leaves_it_whole() {
         run(&mut app, 32);
         let mut transform = app.world_mut().get_mut::<Transform>(cloth).unwrap();
         *transform = Transform::from_xyz(distance, 0.0, 0.0).with_rotation(Quat::from_rotation_y(std::f32::consts::PI));
-        for tick in 0..192 {
+        // A jump of 10 m within a tick is a blow of 100 kJ, which without air only the fabric's own friction takes.
+        for tick in 0..256 {
             app.update();
             assert!(
                 get::<Particles>(&app, cloth).is_finite(),
@@ -118,6 +119,6 @@ fn a_rod_that_jumps_takes_its_curtain_along_and_leaves_it_whole() {
         let stats = get::<ClothStats>(&app, cloth);
         assert!(stats.largest_strain < Fabric::COTTON_POPLIN.stretch_limit, "{policy:?} {distance} m: {stats:?}");
         let away = centre(&app, cloth).distance(Vec3::X * distance);
-        assert!(away < 0.6, "{policy:?} {distance} m: the cloth is still {away} m away after three seconds");
+        assert!(away < 0.6, "{policy:?} {distance} m: the cloth is still {away} m away after four seconds");
     }
 }

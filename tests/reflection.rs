@@ -19,6 +19,7 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::cloth::Cloth",
         "cloth_solver::fabric::Fabric",
         "bevy_cloth::pins::Pins",
+        "cloth_solver::contact::cloth::SelfContact",
         "bevy_cloth::weights::Weights",
         "cloth_solver::forces::air::Air",
         "bevy_cloth::air::Wind",
@@ -34,6 +35,9 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::render::ClothColoring",
         "bevy_cloth::stats::ClothStats",
         "bevy_cloth::teleport::Teleport",
+        "bevy_cloth::sleep::ClothSleep",
+        "bevy_cloth::contact::ContactEvents",
+        "bevy_cloth::contact::ClothForce",
     ];
     for name in names {
         let registration = registry.get_with_type_path(name).unwrap_or_else(|| panic!("{name} is not registered"));
@@ -54,6 +58,7 @@ fn every_resource_of_settings_is_registered_with_its_default() {
         "bevy_cloth::settings::Shared<cloth_solver::forces::gust::Gusts>",
         "bevy_cloth::settings::Shared<bevy_cloth::render::ClothColoring>",
         "bevy_cloth::settings::Shared<bevy_cloth::teleport::Teleport>",
+        "bevy_cloth::settings::Shared<bevy_cloth::sleep::ClothSleep>",
         "bevy_cloth::picking::ClothPicking",
         "bevy_time::time::Time<bevy_cloth::clock::ClothClock>",
     ];

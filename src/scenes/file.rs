@@ -121,6 +121,9 @@ fn spawn_cloth(
     if !spec.weights.is_empty() {
         commands.entity(entity).insert(weights(spec));
     }
+    if let Some(self_contact) = spec.self_contact {
+        commands.entity(entity).insert(self_contact);
+    }
     if let Some(fire) = &spec.fire {
         let at = |part: &Vec2| place.transform_point(((*part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
         commands.entity(entity).insert((fire.burns, Lit(fire.lit.iter().map(at).collect())));

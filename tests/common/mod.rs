@@ -1,6 +1,8 @@
 //! What several tests need: an app without renderer, time by hand, and a look at the bits.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+pub mod sleep;
+
 use std::time::Duration;
 
 use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};

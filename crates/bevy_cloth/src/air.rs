@@ -3,11 +3,12 @@
 use bevy::prelude::*;
 use cloth_solver::contact::Contacts;
 use cloth_solver::forces::{Air, Gusts, GustyWind, WindField};
-use cloth_solver::{ClothError, Particles};
+use cloth_solver::{ClothError, Particles, Soa3};
 
 use crate::cloth::{ClothFrame, ClothTopology};
-use crate::prepare::{StepPlan, WindSources, relative};
+use crate::prepare::{Colliders, StepPlan, WindSources};
 use crate::settings::Shared;
+use crate::sleep::ClothAsleep;
 use crate::step::ClothTick;
 
 /// Velocity of the air, the same everywhere, in world axes, m/s; each axis −1,000,000 to 1,000,000. Default 0: calm.
@@ -32,10 +33,28 @@ impl Wind {
 pub(crate) struct Surroundings {
     /// The wind, where the cloth has one of its own.
     own: GustyWind,
+    has_own: bool,
     field: WindField,
 }
 
 impl Surroundings {
+    /// Whether the air is slower than `limit` (m/s) at every point of a cloth in `frame` that is asleep.
+    pub fn is_below(
+        &mut self,
+        limit: f32,
+        points: &Soa3,
+        shared: &SharedWind,
+        sources: &WindSources,
+        colliders: &Colliders,
+        frame: &ClothFrame,
+    ) -> bool {
+        let wind = if self.has_own { &self.own } else { &shared.0 };
+        self.field.set_wind(wind, &frame.pose);
+        self.field.set_zones(sources.zones_seen_from(frame));
+        self.field.set_fans(sources.fans_seen_from(frame), &colliders.seen_by(frame, 0.0).collect::<Vec<_>>());
+        self.field.is_below(limit, points)
+    }
+
     /// Velocity of the air at a point of the cloth's frame, m/s.
     pub fn wind_at(&self, point: Vec3) -> Vec3 {
         self.field.at(point)
@@ -69,7 +88,7 @@ pub(crate) fn sample(
             Option<&Gusts>,
             &StepPlan,
         ),
-        With<Air>,
+        (With<Air>, Without<ClothAsleep>),
     >,
     (wind, gusts): (Res<Shared<Wind>>, Res<Shared<Gusts>>),
     sources: Res<WindSources>,
@@ -88,22 +107,22 @@ pub(crate) fn sample(
             continue;
         }
         // Velocities are those in the world, along the axes of the cloth's frame: how that moves does not matter.
-        let Surroundings { own, field } = &mut *around;
-        if own_wind.is_some() || own_gusts.is_some() {
+        let Surroundings { own, has_own, field } = &mut *around;
+        *has_own = own_wind.is_some() || own_gusts.is_some();
+        if *has_own {
             own.advance(own_wind.unwrap_or(&wind).0, own_gusts.unwrap_or(&gusts), tick.dt);
             field.set_wind(own, &frame.pose);
         } else {
             field.set_wind(&shared.0, &frame.pose);
         }
-        field.set_zones(sources.zones.iter().map(|(_, zone, pose)| (*zone, relative(&frame.pose, pose))));
-        let fans = sources.fans.iter().map(|(_, fan, pose)| (*fan, relative(&frame.pose, pose)));
-        field.set_fans(fans, &contacts.colliders);
+        field.set_zones(sources.zones_seen_from(frame));
+        field.set_fans(sources.fans_seen_from(frame), &contacts.colliders);
         field.sample(topology, &mut particles);
     }
 }
 
 /// Lets the air act on every cloth that has [`Air`].
-pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan)>) {
+pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan), Without<ClothAsleep>>) {
     for (mut particles, topology, air, plan) in &mut cloths {
         if let Some(sub) = plan.substep {
             air.blow(topology, &mut particles, &sub);

@@ -11,6 +11,7 @@ use cloth_solver::{Particles, measure};
 
 use crate::cloth::ClothTopology;
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule, ClothSystems};
+use crate::sleep::ClothAsleep;
 
 /// Measures, once a frame, how long each phase of the ticks of that frame took, and counts particles, constraints and
 /// contacts of all clothes. Not part of [`ClothPlugin`](crate::ClothPlugin): without it nothing is measured.
@@ -44,6 +45,8 @@ impl ClothDiagnosticsPlugin {
     pub const CONSTRAINTS: DiagnosticPath = DiagnosticPath::const_new("cloth/constraints");
     /// Particles that touched a collider in the last substep.
     pub const CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/contacts");
+    /// Cloths that are asleep, see [`ClothSleep`](crate::ClothSleep).
+    pub const ASLEEP: DiagnosticPath = DiagnosticPath::const_new("cloth/asleep");
     /// Largest strain of any cloth, %.
     pub const LARGEST_STRAIN: DiagnosticPath = DiagnosticPath::const_new("cloth/largest_strain");
 }
@@ -118,7 +121,7 @@ impl Plugin for ClothDiagnosticsPlugin {
             let lap = (move |mut watch: ResMut<SubstepWatch>| watch.0.lap(index)).in_set(Lap(index)).after(phase);
             app.add_systems(ClothSubstepSchedule, before_next(lap, index, &SUBSTEP));
         }
-        for path in [Self::PARTICLES, Self::CONSTRAINTS, Self::CONTACTS] {
+        for path in [Self::PARTICLES, Self::CONSTRAINTS, Self::CONTACTS, Self::ASLEEP] {
             app.register_diagnostic(Diagnostic::new(path).with_smoothing_factor(0.0));
         }
         app.register_diagnostic(Diagnostic::new(Self::LARGEST_STRAIN).with_suffix(" %"));
@@ -143,6 +146,7 @@ fn tell(
     mut tick: ResMut<TickWatch>,
     mut substep: ResMut<SubstepWatch>,
     cloths: Query<(&ClothTopology, &Particles, &Constraints, &Contacts)>,
+    asleep: Query<(), With<ClothAsleep>>,
 ) {
     if tick.0.lap.is_some() {
         let seconds = tick.0.take().into_iter().chain(substep.0.take());
@@ -156,6 +160,7 @@ fn tell(
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::PARTICLES, || sum(|t, _, _| t.particle_count()) as f64);
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::CONSTRAINTS, || sum(|_, c, _| c.count()) as f64);
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || sum(|_, _, c| c.touching as usize) as f64);
+    diagnostics.add_measurement(&ClothDiagnosticsPlugin::ASLEEP, || asleep.iter().count() as f64);
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::LARGEST_STRAIN, || {
         let strains = cloths.iter().map(|(topology, particles, ..)| measure::largest_strain(topology, particles));
         f64::from(strains.fold(0.0, f32::max)) * 100.0

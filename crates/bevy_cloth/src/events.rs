@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use cloth_solver::ClothError;
 
+use crate::sleep::WakeCause;
+
 /// Authored data of a cloth was refused: the cloth is out of the simulation until its data changes to something
 /// allowed. Told, and logged, once for each change.
 ///
@@ -189,5 +191,84 @@ pub struct ClothBurntOut {
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ResetCloth {
     /// The cloth. An entity that is no running cloth is left alone.
+    pub entity: Entity,
+}
+
+/// A cloth came to rest and is not advanced any more; see [`ClothSleep`](crate::ClothSleep).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothFellAsleep {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth that was asleep is advanced again; see [`ClothSleep`](crate::ClothSleep).
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothWoke {
+    /// The cloth.
+    pub entity: Entity,
+    /// What woke it.
+    pub cause: WakeCause,
+}
+
+/// Trigger this to wake a cloth. If nothing moves it, it falls asleep again after [`ClothSleep::time`](crate::ClothSleep::time).
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct WakeCloth {
+    /// The cloth. One that is awake is left alone.
+    pub entity: Entity,
+}
+
+/// A cloth touches a collider that has [`ContactEvents`](crate::ContactEvents), and did not before.
+///
+/// An event at the collider and a message; at most one for each cloth in a tenth of a second.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ContactBegan {
+    /// The collider.
+    pub entity: Entity,
+    /// The cloth.
+    pub cloth: Entity,
+    /// How fast the fastest of its particles came against it, along the normal, m/s.
+    pub speed: f32,
+    /// What the cloth gave to the collider in this tick, N·s.
+    pub impulse: f32,
+}
+
+/// A cloth has not touched a collider that has [`ContactEvents`](crate::ContactEvents) for a tenth of a second, or one of the two is
+/// gone. Each [`ContactBegan`] is followed by exactly one of these.
+///
+/// An event at the collider and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ContactEnded {
+    /// The collider.
+    pub entity: Entity,
+    /// The cloth.
+    pub cloth: Entity,
+    /// The strongest impulse of the cloth on the collider in one tick, N·s.
+    pub impulse: f32,
+    /// From the first touch to the last, s.
+    pub duration: f32,
+}
+
+/// A cloth that has [`SelfContact`](crate::SelfContact) passes through itself: it was given the component, or put into its place, while
+/// it did. It is being untangled, and does not fall asleep in the meantime.
+///
+/// An event at the entity and a message. Each is followed by a [`ClothUntangled`], unless the cloth is no more.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothTangled {
+    /// The cloth.
+    pub entity: Entity,
+    /// Edges that pass through a triangle.
+    pub crossings: u32,
+}
+
+/// A cloth that was tangled passes through itself nowhere any more, or has no [`SelfContact`](crate::SelfContact) any more.
+///
+/// An event at the entity and a message.
+#[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq)]
+pub struct ClothUntangled {
+    /// The cloth.
     pub entity: Entity,
 }

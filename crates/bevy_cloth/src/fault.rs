@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
+use cloth_solver::contact::SelfContacts;
 use cloth_solver::{Cloth, Fabric, Particles, Topology};
 
 use crate::cloth::{ClothHistory, ClothTopology};
 use crate::events::ClothRecovered;
 use crate::prepare::StepPlan;
 use crate::report::report;
+use crate::sleep::ClothAsleep;
 use crate::step::{ClothTick, clear_forces};
 use crate::weights::Loads;
 
@@ -56,26 +58,33 @@ pub(crate) fn recover(
 
 /// Looks at every cloth that moved in this tick, and brings back those with a number that is not finite.
 pub(crate) fn mend(
-    mut cloths: Query<(
-        Entity,
-        &ClothTopology,
-        Option<&Fabric>,
-        &Loads,
-        &mut Particles,
-        &mut Constraints,
-        &mut ClothHistory,
-        &StepPlan,
-    )>,
+    mut cloths: Query<
+        (
+            Entity,
+            &ClothTopology,
+            Option<&Fabric>,
+            &Loads,
+            &mut Particles,
+            &mut Constraints,
+            &mut ClothHistory,
+            Option<&mut SelfContacts>,
+            &StepPlan,
+        ),
+        Without<ClothAsleep>,
+    >,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
-    for (entity, topology, fabric, loads, mut particles, mut constraints, mut history, plan) in &mut cloths {
+    for (entity, topology, fabric, loads, mut particles, mut constraints, mut history, own, plan) in &mut cloths {
         if plan.substeps == 0 {
             continue;
         }
         if !is_finite(&particles) {
             let fabric = fabric.copied().unwrap_or_default();
             recover(&topology.0, &fabric, loads, &mut particles, &mut constraints, &history);
+            if let Some(mut own) = own {
+                own.follow(&topology.0);
+            }
             report(&mut commands, ClothRecovered { entity });
         }
         if tick.still {

@@ -3,8 +3,11 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
-//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`Shared`]
+//! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`ClothSleep`], [`Shared`]
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
+//! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
+//! - [Contact](#contact): [`ContactEvents`], [`ClothForce`]
+//! - [Self-contact](#self-contact): [`SelfContact`], [`ClothTangled`], [`ClothUntangled`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
@@ -37,7 +40,7 @@
 //! [`ClothCollider`].
 //!
 //! # Settings
-//! [`Gravity`], [`Substeps`], [`Method`] and [`Teleport`] hold for all clothes as resources, [`Shared<Gravity>`](Shared) and so on; as
+//! [`Gravity`], [`Substeps`], [`Method`], [`Teleport`] and [`ClothSleep`] apply to every cloth as resources, [`Shared<Gravity>`](Shared) and so on; as
 //! a component each overrides the shared value for one cloth. The default method suits games; the others are there to be
 //! compared, and those that step forces want stiff fabric in very many substeps.
 //!
@@ -47,6 +50,20 @@
 //! schedules before each tick is never late. What goes too far for one tick (a blink, a respawn) is no motion but a jump:
 //! [`Teleport`] says from where on, and whether the cloth goes along in one piece, goes to rest, or is dragged there. A
 //! collider that jumps sweeps nothing along.
+//!
+//! # Sleep
+//! A cloth that has come to rest falls asleep: it stands still and is not advanced until something could move it. [`ClothSleep`]
+//! says what counts as rest, and what wakes it; [`ClothSleep::NEVER`] keeps a cloth awake. A cloth that sleeps has the component
+//! [`ClothAsleep`]. [`ClothFellAsleep`] and [`ClothWoke`] report it.
+//!
+//! # Contact
+//! A [`ClothCollider`] with [`ContactEvents`] is told by [`ContactBegan`] and [`ContactEnded`] which cloth touches it, one with
+//! [`ClothForce`] with what force all cloth together pushes it.
+//!
+//! # Self-contact
+//! A cloth with the component [`SelfContact`] does not pass through itself: its layers lie on each other, the thickness of the
+//! fabric apart, and rub. Without it they pass freely, and nothing is computed. A cloth that is tangled when it is given the
+//! component, or is put so, is untangled gently; [`ClothTangled`] and [`ClothUntangled`] tell. [`ClothStats`] counts what touches.
 //!
 //! # Air
 //! A cloth with the component [`Air`] feels the air around it; without it none acts, and none is computed. [`Wind`] and its
@@ -69,7 +86,8 @@
 //! ([`ClothSystems::Build`]), advances the clock and runs [`ClothSchedule`] zero or more times
 //! ([`ClothSystems::Advance`]). All sets are public: put a system between any two. Beside `Cloth` the entity then
 //! carries the solver's state: [`Particles`], [`Constraints`](cloth_solver::cloth::Constraints),
-//! [`Contacts`](cloth_solver::contact::Contacts), [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
+//! [`Contacts`](cloth_solver::contact::Contacts), with [`SelfContact`] [`SelfContacts`](cloth_solver::contact::SelfContacts),
+//! [`ClothTopology`], [`ClothFrame`] and [`ClothHistory`].
 //!
 //! # What is told
 //! Wrong data never panics and never stops the rest of the world: [`ClothRejected`], [`ColliderRejected`] and
@@ -96,6 +114,7 @@ pub mod air;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
+pub mod contact;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
@@ -106,6 +125,7 @@ pub mod pins;
 pub mod render;
 pub mod schedule;
 pub mod settings;
+pub mod sleep;
 pub mod stats;
 pub mod teleport;
 pub mod weights;
@@ -113,23 +133,27 @@ pub mod weights;
 mod fault;
 mod prepare;
 mod report;
+mod self_contact;
 mod step;
 
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth_solver::contact::SelfContact;
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
+pub use contact::{ClothForce, ContactEvents};
 pub use damage::{
     ATTRIBUTE_STRENGTH, ClothFire, ClothPiece, ClothPieces, Contagion, CutCloth, Flammability, Flammable, IgniteCloth,
     TearCloth, Tearable, WetCloth,
 };
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
-    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, ResetCloth, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
+    ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
+    ContactEnded, DebrisGone, PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, FireTool};
@@ -138,6 +162,7 @@ pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 pub use render::{ClothColoring, ClothFlames};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
+pub use sleep::{ClothAsleep, ClothSleep, WakeCause};
 pub use stats::ClothStats;
 pub use teleport::{Teleport, TeleportPolicy};
 pub use weights::{Weight, Weights};

@@ -3,8 +3,9 @@
 use bevy::prelude::*;
 
 use crate::events::{
-    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothIgnited, ClothRecovered, ClothRejected,
-    ClothReset, ClothTorn, ColliderRejected, DebrisGone, PiecesSeparated, WindRejected,
+    ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
+    ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
+    ContactEnded, DebrisGone, PiecesSeparated, WindRejected,
 };
 
 /// What can be told.
@@ -91,13 +92,52 @@ impl Report for ClothBurntOut {
     }
 }
 
+impl Report for ClothFellAsleep {
+    fn log(&self, name: &str) {
+        trace!("cloth {name} fell asleep");
+    }
+}
+
+impl Report for ClothWoke {
+    fn log(&self, name: &str) {
+        trace!("cloth {name} woke: {:?}", self.cause);
+    }
+}
+
+impl Report for ContactBegan {
+    fn log(&self, name: &str) {
+        trace!("collider {name} is touched by cloth {} at {} m/s", self.cloth, self.speed);
+    }
+}
+
+impl Report for ContactEnded {
+    fn log(&self, name: &str) {
+        trace!("collider {name} was left by cloth {} after {} s", self.cloth, self.duration);
+    }
+}
+
+impl Report for ClothTangled {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} passes through itself with {} edges", self.crossings);
+    }
+}
+
+impl Report for ClothUntangled {
+    fn log(&self, name: &str) {
+        debug!("cloth {name} is untangled");
+    }
+}
+
 /// Tells `report` once the present system is done.
 pub(crate) fn report(commands: &mut Commands, report: impl Report) {
-    commands.queue(move |world: &mut World| {
-        let entity = report.event_target();
-        let name = world.get::<Name>(entity).map_or(entity.to_string(), |name| format!("`{name}` ({entity})"));
-        report.log(&name);
-        world.write_message(report.clone());
-        world.trigger(report);
-    });
+    commands.queue(move |world: &mut World| report_now(world, report));
+}
+
+/// Tells `report` at once.
+pub(crate) fn report_now(world: &mut World, report: impl Report) {
+    let entity = report.event_target();
+    let name = world.get::<Name>(entity).map_or(entity.to_string(), |name| format!("`{name}` ({entity})"));
+    report.log(&name);
+    world.write_message(report.clone());
+    world.trigger(report);
 }

@@ -8,14 +8,19 @@ use crate::air::Wind;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
-use crate::events::{ClothRecovered, ClothRejected, ClothReset, ColliderRejected, WindRejected};
+use crate::events::{
+    ClothRecovered, ClothRejected, ClothReset, ClothTangled, ClothUntangled, ColliderRejected, WindRejected,
+};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
-use crate::{Air, ClothClock, Fabric, Fan, Gusts, Method, WindZone, air, damage, fault, prepare, stats, step};
+use crate::{
+    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, damage, fault, prepare,
+    self_contact, sleep, stats, step,
+};
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
 ///
@@ -80,13 +85,13 @@ pub enum ClothSystems {
     Integrate,
     /// Solves the constraints. In [`ClothSubstepSchedule`].
     Solve,
-    /// Pushes particles out of colliders. In [`ClothSubstepSchedule`].
+    /// Pushes particles out of colliders, and cloth with [`SelfContact`] off itself. In [`ClothSubstepSchedule`].
     Collide,
     /// Takes apart what is loaded beyond its strength. In [`ClothSchedule`].
     Tear,
     /// Burns what is alight. In [`ClothSchedule`].
     Burn,
-    /// Mends faults and takes statistics. In [`ClothSchedule`].
+    /// Lets cloth at rest fall asleep, mends faults, tells what is tangled and takes statistics. In [`ClothSchedule`].
     Writeback,
     /// Finds how far the shape drawn lies between two ticks and, with the feature `render`, writes the meshes. In
     /// [`PostUpdate`], after the transforms are propagated.
@@ -116,11 +121,15 @@ impl Plugin for ClothPlugin {
             .add_message::<ColliderRejected>()
             .add_message::<WindRejected>()
             .add_message::<ClothRecovered>()
-            .add_message::<ClothReset>();
+            .add_message::<ClothReset>()
+            .add_message::<ClothTangled>()
+            .add_message::<ClothUntangled>();
         register_types(app);
         add_schedules(app, self.schedule);
         prepare::plugin(app, self.schedule, in_fixed_loop);
         damage::plugin(app);
+        sleep::plugin(app);
+        contact::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]
@@ -141,13 +150,16 @@ fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
         .configure_sets(ClothSubstepSchedule, (Integrate, Solve, Collide).chain())
         .add_systems(schedule, step::advance.in_set(Advance).before(signal_message_update_system))
         .add_systems(ClothSchedule, (step::hold_still, step::run_substeps).chain().in_set(Substep))
-        .add_systems(ClothSchedule, (fault::mend, stats::measure).chain().in_set(Writeback))
+        .add_systems(
+            ClothSchedule,
+            (sleep::fall_asleep, fault::mend, self_contact::tell, stats::measure).chain().in_set(Writeback),
+        )
         .add_systems(
             ClothSubstepSchedule,
             (
                 (air::blow, step::integrate).chain().in_set(Integrate),
                 step::solve.in_set(Solve),
-                step::collide.in_set(Collide),
+                (step::collide, self_contact::collide).chain().in_set(Collide),
             ),
         )
         .configure_sets(PostUpdate, Draw.after(TransformSystems::Propagate))
@@ -184,6 +196,9 @@ fn register_types(app: &mut App) {
         .register_type::<Method>()
         .register_type_data::<Method, ReflectComponent>()
         .register_type::<Shared<Method>>()
+        .register_type::<SelfContact>()
+        .register_type_data::<SelfContact, ReflectComponent>()
+        .register_type_data::<SelfContact, ReflectDefault>()
         .register_type::<Grabs>()
         .register_type::<ClothStats>()
         .register_type::<Time<ClothClock>>();

@@ -14,6 +14,7 @@ use crate::cloth::ClothTopology;
 use crate::prepare::StepPlan;
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
 use crate::settings::Grabs;
+use crate::sleep::ClothAsleep;
 
 /// The tick at hand.
 #[derive(Resource, Clone, Copy, Debug, Default)]
@@ -88,7 +89,7 @@ fn set_time(world: &mut World, to: Option<Time>) {
 }
 
 /// In a tick in which time stands, takes all speed and force off what is about to move.
-pub(crate) fn hold_still(mut cloths: Query<(&mut Particles, &StepPlan)>, tick: Res<ClothTick>) {
+pub(crate) fn hold_still(mut cloths: Query<(&mut Particles, &StepPlan), Without<ClothAsleep>>, tick: Res<ClothTick>) {
     for (mut particles, plan) in &mut cloths {
         if tick.still && plan.substeps > 0 {
             particles.velocity.fill(Vec3::ZERO);
@@ -108,8 +109,8 @@ pub(crate) fn clear_forces(particles: &mut Particles) {
 /// Runs [`ClothSubstepSchedule`] until every cloth has come to the end of the tick.
 pub(crate) fn run_substeps(
     world: &mut World,
-    plans: &mut QueryState<&mut StepPlan>,
-    cloths: &mut QueryState<(&mut StepPlan, &Particles, &Constraints, &Contacts)>,
+    plans: &mut QueryState<&mut StepPlan, Without<ClothAsleep>>,
+    cloths: &mut QueryState<(&mut StepPlan, &Particles, &Constraints, &Contacts), Without<ClothAsleep>>,
 ) {
     let dt = world.resource::<ClothTick>().dt;
     for (mut plan, particles, constraints, contacts) in cloths.iter_mut(world) {
@@ -129,7 +130,7 @@ pub(crate) fn run_substeps(
     });
 }
 
-pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan)>) {
+pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan), Without<ClothAsleep>>) {
     for (mut particles, constraints, plan) in &mut cloths {
         if let Some(sub) = plan.substep {
             method::integrate(&mut particles, constraints, &sub);
@@ -138,7 +139,7 @@ pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPl
 }
 
 /// Solves, and takes the substep unless it was too long.
-pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut StepPlan)>) {
+pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut StepPlan), Without<ClothAsleep>>) {
     for (mut particles, mut constraints, mut plan) in &mut cloths {
         if let Some(sub) = plan.substep {
             let effort = method::solve(&mut particles, &mut constraints, &sub);
@@ -149,7 +150,9 @@ pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut St
     }
 }
 
-pub(crate) fn collide(mut cloths: Query<(&ClothTopology, &mut Particles, &mut Contacts, &StepPlan)>) {
+pub(crate) fn collide(
+    mut cloths: Query<(&ClothTopology, &mut Particles, &mut Contacts, &StepPlan), Without<ClothAsleep>>,
+) {
     for (topology, mut particles, mut contacts, plan) in &mut cloths {
         if let Some(sub) = plan.substep.filter(|_| !contacts.colliders.is_empty()) {
             contact::collide(topology, &mut particles, &mut contacts, &sub);

@@ -25,6 +25,8 @@
 //! | `cloth` | size, resolution, rods |
 //! | `fire` | whether and how it may burn, and what the middle button does |
 //! | `fabric` | preset and every value of the fabric |
+//! | `motion` | whether the cloth sleeps and when; what is a jump |
+//! | `self_contact` | whether and how the cloth keeps off itself |
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `statistics` | particles, strain, frame rate, times |
@@ -36,9 +38,11 @@ mod cloth;
 mod damage;
 mod fabric;
 mod fire;
+mod motion;
 mod object;
 mod outline;
 mod panel;
+mod self_contact;
 mod silhouette;
 mod statistics;
 mod widgets;

@@ -4,7 +4,10 @@ use bevy::prelude::*;
 use bevy_cloth::{Cloth, Fan};
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
-use crate::{InspectorOpen, PanelWidth, Selected, air, cloth, damage, fabric, fire, object, statistics, world};
+use crate::{
+    InspectorOpen, PanelWidth, Selected, air, cloth, damage, fabric, fire, motion, object, self_contact, statistics,
+    world,
+};
 
 /// Width of the panel, logical pixels.
 const WIDTH: f32 = 310.0;
@@ -41,8 +44,11 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
     if let Some(entity) = cloth {
         section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
         section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
+        section(ui, "Self-contact", true, |ui| self_contact::show(ui, world, entity));
         section(ui, "Tearing", true, |ui| damage::tearing(ui, world, entity));
         section(ui, "Fire", true, |ui| fire::show(ui, world, entity));
+        section(ui, "Sleep", true, |ui| motion::sleep(ui, world, entity));
+        section(ui, "Teleport", false, |ui| motion::teleport(ui, world, entity));
     }
     if let Some(fan) = air::selected_with::<Fan>(world) {
         section(ui, "Fan", true, |ui| air::fan(ui, world, fan));

@@ -46,7 +46,7 @@ fn of_cloth(ui: &mut egui::Ui, stats: &ClothStats) {
     line(ui, "triangles", stats.triangles.to_string());
     line(ui, "constraints", stats.constraints.to_string());
     line(ui, "contacts", stats.contacts.to_string());
-    line(ui, "substeps", stats.substeps.to_string());
+    line(ui, "substeps", if stats.asleep { "asleep".into() } else { stats.substeps.to_string() });
     line(ui, "largest strain", format!("{:.2} %", 100.0 * stats.largest_strain));
     line(ui, "speed (rms)", format!("{:.3} m/s", stats.rms_speed));
     line(ui, "kinetic energy", format!("{:.4} J", stats.kinetic_energy));

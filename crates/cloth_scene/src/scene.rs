@@ -1,5 +1,6 @@
 //! What a scene file says.
 
+use cloth_solver::contact::SelfContact;
 use cloth_solver::forces::{Air, Gusts};
 use cloth_solver::method::Method;
 use cloth_solver::{ClothError, Fabric, Pose};
@@ -109,6 +110,8 @@ pub struct SceneCloth {
     pub pins: Vec<ScenePins>,
     /// Weights that hang on it.
     pub weights: Vec<SceneWeight>,
+    /// How it keeps off itself; `()` for the fabric's own thickness and friction. Default none: it passes through itself.
+    pub self_contact: Option<SelfContact>,
     /// How it burns, and where it is lit. Default none: it does not burn.
     pub fire: Option<SceneFire>,
     /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z.
@@ -125,6 +128,7 @@ impl Default for SceneCloth {
             damping: None,
             pins: Vec::new(),
             weights: Vec::new(),
+            self_contact: None,
             fire: None,
             place: ScenePlace::default(),
         }

@@ -92,6 +92,9 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
     let topology = Topology::rectangle(spec.size, Resolution::Cells(spec.cells)).map_err(of_cloth)?;
     let mut cloth = Cloth::new(Arc::new(topology), &fabric).map_err(of_cloth)?;
     cloth.set_method(scene.method);
+    if let Some(settings) = &spec.self_contact {
+        cloth.set_self_contact(&fabric, settings).map_err(of_cloth)?;
+    }
     for weight in &spec.weights {
         hang(&mut cloth, weight, spec.cells).map_err(of_cloth)?;
     }

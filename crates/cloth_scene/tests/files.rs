@@ -29,7 +29,7 @@ fn a_scene_written_out_reads_back_the_same() {
             fans: [(name: "f", fan: (on: false, speed: 3, oscillation: (angle: 1)), place: (at: (1, 1, 1))), ()],
             method: XpbdSweeps, substeps: 4, iterations: 7,
             cloths: [(name: "c", size: (2, 1), cells: (4, 3), fabric: Custom((areal_density: 0.3)), damping: 0.25,
-                      pins: [Top, Corners, Rods(3), Left], weights: [(at: (0.5, 1), mass: 0.01)],
+                      self_contact: (distance: 0.002, rate: 40), pins: [Top, Corners, Rods(3), Left], weights: [(at: (0.5, 1), mass: 0.01)],
                       place: (at: (1, 2, 3), turn: (10, 20, 30)))],
             colliders: [(shape: Sphere(radius: 1), place: (at: (9, 0, 0))), (shape: Capsule(radius: 1, length: 2)),
                         (shape: Cuboid(size: (1, 2, 3))), (shape: Pyramid(base: (1, 2), height: 3), friction: 0.1),
@@ -97,6 +97,10 @@ fn what_is_out_of_range_is_refused_by_cloth_field_value_and_range() {
         (format!("(cloths: [({fine}, fabric: Custom((shear: -1)))])"), "cloth 0: `Fabric::shear` is -1"),
         (format!("(cloths: [({fine}, weights: [(at: (2, 0), mass: 1)])])"), "cloth 0: `SceneWeight::at.x` is 2"),
         (format!("(cloths: [({fine}, weights: [(at: (1, 0), mass: -1)])])"), "cloth 0: `SceneWeight::mass` is -1"),
+        (
+            format!("(cloths: [({fine}, self_contact: (distance: 1))])"),
+            "cloth 0: `SelfContact::distance` is 1, allowed is 1e-6..=0.1 m",
+        ),
         (format!("(cloths: [({fine}, fire: (lit: [(0, 7)]))])"), "cloth 0: `SceneFire::lit.y` is 7"),
         (
             format!("(cloths: [({fine}, fire: (burns: Heat((char: 2))))])"),
@@ -182,6 +186,23 @@ fn gusts_zones_and_fans_move_a_cloth_each_on_its_own() {
     assert!(steady.distance(gusty) > 0.05, "{steady} and {gusty}");
     assert_eq!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3),"));
     assert_ne!(gusty, moved("wind: (0, 0, 3), gusts: (intensity: 0.3, seed: 1),"));
+}
+
+#[test]
+fn a_cloth_keeps_off_itself_where_the_scene_says_so() {
+    let crossings = |own: &str| {
+        // It falls on its edge and folds.
+        let place = "place: (at: (0, 0.45, 0), turn: (8, 0, 10))";
+        let cloth = format!("(size: (0.4, 0.8), cells: (12, 24), {own} {place})");
+        let mut world = World::new(&scene(&format!("(cloths: [{cloth}], colliders: [(shape: Ground)])"))).unwrap();
+        let most = (0..90).map(|_| {
+            world.tick();
+            measure::crossings(&world.cloths[0].topology, &world.cloths[0].particles).len()
+        });
+        most.max().unwrap_or_default()
+    };
+    assert_eq!(crossings("self_contact: (),"), 0);
+    assert!(crossings("") > 10);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::contact::Contacts;
+use crate::contact::{Contacts, SelfContact, SelfContacts};
 use crate::damage::fire::{Fire, Surroundings};
 use crate::damage::{self, Blade, Cut, Direction, Stroke, Tear, Tearing, Torn};
 use crate::forces::{Air, WindField};
@@ -26,6 +26,8 @@ pub struct Cloth {
     pub constraints: Constraints,
     /// Contact.
     pub contacts: Contacts,
+    /// Contact with itself. Default none: it passes through itself, and nothing is computed.
+    pub self_contacts: Option<SelfContacts>,
     /// The air around it. Default none: no air acts, and none is computed.
     pub air: Option<Air>,
     /// How that moves in this tick.
@@ -42,6 +44,7 @@ impl Cloth {
             particles: Particles::new(&topology, fabric.areal_density),
             constraints: Constraints::new(&topology, fabric)?,
             contacts: Contacts::new(&topology, fabric),
+            self_contacts: None,
             air: None,
             wind: WindField::default(),
             pace: Pace::default(),
@@ -52,6 +55,15 @@ impl Cloth {
     /// Advances with `method` from now on.
     pub fn set_method(&mut self, method: Method) {
         self.constraints.set_method(&self.topology, method);
+    }
+
+    /// Keeps off itself from now on, as a cloth of `fabric`.
+    ///
+    /// # Errors
+    /// A setting out of its range; then nothing changes.
+    pub fn set_self_contact(&mut self, fabric: &Fabric, settings: &SelfContact) -> Result<(), ClothError> {
+        self.self_contacts = Some(SelfContacts::new(&self.topology, fabric, settings)?);
+        Ok(())
     }
 
     /// Cuts it with `blade`. `None` if that crosses nothing.
@@ -118,6 +130,9 @@ impl Cloth {
         match change {
             Some(change) => {
                 damage::follow(before, &self.topology, change, &mut self.particles, &mut self.constraints);
+                if let Some(own) = &mut self.self_contacts {
+                    own.follow(&self.topology);
+                }
             }
             None => self.topology = before.clone(),
         }
@@ -141,6 +156,9 @@ impl Cloth {
             if self.pace.accept(&tick, &sub, &effort) {
                 crate::method::accept(&mut self.particles, &mut self.constraints, &sub);
                 crate::contact::collide(&self.topology, &mut self.particles, &mut self.contacts, &sub);
+                if let Some(own) = &mut self.self_contacts {
+                    crate::contact::collide_self(&self.topology, &mut self.particles, &self.contacts, own, &sub);
+                }
             }
         }
     }

@@ -17,6 +17,7 @@ pub mod method;
 pub mod particles;
 pub mod pick;
 pub mod pose;
+pub mod rest;
 pub mod tick;
 pub mod topology;
 

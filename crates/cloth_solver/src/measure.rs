@@ -9,8 +9,11 @@ use crate::lanes::LANES;
 use crate::topology::{Along, Thread, threads};
 use crate::{Fabric, Particles, Soa3, Topology};
 
+mod crossing;
 mod elastic;
 
+pub use crossing::{Passage, crossings};
+pub(crate) use crossing::{passages, passes};
 pub use elastic::elastic_energy;
 
 /// Mass, position and velocity of each slot; padding has mass 0.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
+use cloth_solver::contact::SelfContacts;
 use cloth_solver::topology::Change;
 use cloth_solver::{Particles, Topology, damage};
 
@@ -28,6 +29,7 @@ pub(crate) struct Whole {
     pub particles: &'static mut Particles,
     pub constraints: &'static mut Constraints,
     pub history: &'static mut ClothHistory,
+    pub own: Option<&'static mut SelfContacts>,
     pub tear: Option<&'static mut TearState>,
     pub fire: Option<&'static mut ClothFire>,
     pub grabs: Option<&'static mut Grabs>,
@@ -44,6 +46,9 @@ impl WholeItem<'_, '_> {
     /// loads.
     pub fn become_(&mut self, now: Arc<Topology>, change: &Change, commands: &mut Commands) {
         damage::follow(&self.topology.0, &now, change, &mut self.particles, &mut self.constraints);
+        if let Some(own) = &mut self.own {
+            own.follow(&now);
+        }
         self.history.position.follow(change);
         self.history.strokes.follow(change);
         if let Some(tear) = &mut self.tear {

@@ -13,6 +13,7 @@ use crate::events::{ClothBurntOut, ClothBurntThrough, ClothExtinguished, ClothIg
 use crate::prepare::StepPlan;
 use crate::report::report;
 use crate::settings::Shared;
+use crate::sleep::{ClothAsleep, WakeCause, wake_up};
 use crate::step::ClothTick;
 
 /// The fire of a running cloth that is [`Flammable`]. Read-only: temperature, fuel and char of each particle.
@@ -98,7 +99,7 @@ pub struct WetCloth {
 pub(crate) fn burn(
     mut cloths: Query<
         (Whole, Ref<Flammable>, Option<Ref<Fabric>>, Option<&Wind>, Option<&air::Surroundings>, &StepPlan),
-        Without<ClothRejection>,
+        (Without<ClothRejection>, Without<ClothAsleep>),
     >,
     shared: Res<Shared<Wind>>,
     tick: Res<ClothTick>,
@@ -193,6 +194,7 @@ pub(crate) fn on_ignite(
     mut commands: Commands,
 ) {
     let Ok((mut cloth, flammable, fabric)) = cloths.get_mut(asked.entity) else { return };
+    wake_up(&mut commands, asked.entity, WakeCause::Particles);
     let local = cloth.frame.to_local(asked.position);
     let light = |fire: &mut ClothFire, particles: &cloth_solver::Particles, topology: &cloth_solver::Topology| {
         let lit = fire.fire.ignite(particles, local, asked.radius)?;
@@ -223,6 +225,7 @@ pub(crate) fn on_wet(
     mut commands: Commands,
 ) {
     let Ok((mut cloth, flammable, fabric)) = cloths.get_mut(asked.entity) else { return };
+    wake_up(&mut commands, asked.entity, WakeCause::Particles);
     let local = cloth.frame.to_local(asked.position);
     let WetCloth { radius, water, .. } = *asked;
     let result = match &mut cloth.fire {

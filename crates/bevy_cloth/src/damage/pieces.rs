@@ -10,6 +10,7 @@ use super::tear::Tearable;
 use crate::events::DebrisGone;
 use crate::prepare::StepPlan;
 use crate::report::report;
+use crate::sleep::ClothAsleep;
 use crate::step::ClothTick;
 
 /// The pieces a cloth consists of, once it was torn, cut or burnt. Read-only; all of them stay simulated.
@@ -84,7 +85,7 @@ impl ClothPieces {
 
 /// Lets the time of what drifts go by, and takes small pieces out once their time is up.
 pub(crate) fn clear_debris(
-    mut cloths: Query<(Whole, &Tearable, &StepPlan), With<ClothPieces>>,
+    mut cloths: Query<(Whole, &Tearable, &StepPlan), (With<ClothPieces>, Without<ClothAsleep>)>,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {

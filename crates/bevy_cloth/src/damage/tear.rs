@@ -9,6 +9,7 @@ use crate::cloth::ClothRejection;
 use crate::events::ClothTorn;
 use crate::prepare::{ClothSkin, StepPlan};
 use crate::report::report;
+use crate::sleep::ClothAsleep;
 use crate::step::ClothTick;
 use crate::{ClothTopology, Fabric};
 
@@ -79,7 +80,7 @@ impl TearState {
 
 /// Watches the loads of tearable cloths, and parts what is overloaded.
 pub(crate) fn tear(
-    mut cloths: Query<(Whole, &Tearable, Option<&Fabric>, &StepPlan), Without<ClothRejection>>,
+    mut cloths: Query<(Whole, &Tearable, Option<&Fabric>, &StepPlan), (Without<ClothRejection>, Without<ClothAsleep>)>,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {

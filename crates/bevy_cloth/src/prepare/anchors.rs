@@ -150,6 +150,19 @@ impl Anchors {
         self.see(placements, |follow, target| follow.aim(target, tick));
     }
 
+    /// Whether any of it is another entity.
+    pub fn follow_entities(&self) -> bool {
+        self.0.iter().any(|anchor| matches!(anchor, Anchor::Entity { .. }))
+    }
+
+    /// Whether an entity that pins hang on is elsewhere than at the end of the last tick.
+    pub fn have_moved(&self, placements: &Placements) -> bool {
+        self.0.iter().any(|anchor| {
+            let Anchor::Entity { entity, follow, .. } = anchor else { return false };
+            placements.get(*entity).is_some_and(|placement| placement.pose.is_finite() && placement.pose != follow.pose)
+        })
+    }
+
     fn see(&mut self, placements: &Placements, see: impl Fn(&mut Follow, Pose)) {
         for anchor in &mut self.0 {
             if let Anchor::Entity { entity, follow, .. } = anchor {

@@ -7,15 +7,17 @@ use cloth_solver::forces::Gusts;
 use cloth_solver::{ClothError, Fabric, Topology};
 
 use super::placement::Placement;
+use super::shared::{SharedChanges, SharedSettings};
 use super::{DrawnMesh, anchors};
-use crate::Air;
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::damage::{Flammable, Tearable};
 use crate::pins::Pins;
-use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::settings::{Grabs, Gravity, Substeps};
+use crate::sleep::{ClothAsleep, ClothSleep, WakeCause};
 use crate::teleport::Teleport;
 use crate::weights::Weights;
+use crate::{Air, Method, SelfContact};
 
 /// A scale that changes by less than this part of itself is the same scale: taken out of the matrices of a turning
 /// hierarchy it is never twice the same to the last bit.
@@ -39,6 +41,9 @@ pub(crate) struct Authored {
     wind: Option<Wind>,
     gusts: Option<Gusts>,
     teleport: Option<Teleport>,
+    method: Option<Method>,
+    sleep: Option<ClothSleep>,
+    self_contact: Option<SelfContact>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
     /// What the shape still waits for.
@@ -90,6 +95,9 @@ pub(crate) struct Changes {
     pub pins: bool,
     pub weights: bool,
     pub settings: bool,
+    pub self_contact: bool,
+    /// The shared settings were touched, and it has not all of its own.
+    pub shared: bool,
     pub grabs: bool,
 }
 
@@ -110,21 +118,21 @@ pub(crate) struct Wanted {
     wind: Option<Ref<'static, Wind>>,
     gusts: Option<Ref<'static, Gusts>>,
     teleport: Option<Ref<'static, Teleport>>,
+    method: Option<Ref<'static, Method>>,
+    sleep: Option<Ref<'static, ClothSleep>>,
+    self_contact: Option<Ref<'static, SelfContact>>,
     grabs: Option<Ref<'static, Grabs>>,
     mesh: Option<&'static Mesh3d>,
     drawn: Option<&'static DrawnMesh>,
     pub authored: &'static mut Authored,
+    asleep: Has<ClothAsleep>,
     pub rejection: Option<&'static ClothRejection>,
 }
 
-/// What a cloth falls back on where it has no settings of its own.
-type SharedSettings<'a, 'w> = (
-    &'a Res<'w, Shared<Gravity>>,
-    &'a Res<'w, Shared<Substeps>>,
-    &'a Res<'w, Shared<Wind>>,
-    &'a Res<'w, Shared<Gusts>>,
-    &'a Res<'w, Shared<Teleport>>,
-);
+/// Whether a cloth of this `scale` is another shape than one that is `known`.
+pub(crate) fn differs_in_scale(scale: Vec3, known: Vec3) -> bool {
+    (scale - known).abs().max_element() > SCALE_TOLERANCE * known.abs().max_element()
+}
 
 /// Whether an optional component is another one than was last seen. The change flag comes first, since a NaN is
 /// different from itself; the value second, since inspectors touch what they do not change.
@@ -133,6 +141,15 @@ fn differs<T: PartialEq>(now: &Option<Ref<T>>, seen: &Option<T>) -> bool {
         (Some(now), Some(seen)) => now.is_changed() && **now != *seen,
         (None, None) => false,
         _ => true,
+    }
+}
+
+/// The mesh the user gave an entity, seen past the one the cloth draws.
+pub(crate) fn user_mesh(mesh: Option<&Mesh3d>, drawn: Option<&DrawnMesh>) -> Option<AssetId<Mesh>> {
+    match (mesh, drawn) {
+        (Some(mesh), Some(drawn)) if mesh.id() == drawn.drawn.id() => drawn.source.as_ref().map(Handle::id),
+        (Some(mesh), _) => Some(mesh.id()),
+        (None, _) => None,
     }
 }
 
@@ -153,12 +170,34 @@ impl WantedItem<'_, '_> {
         self.weights.as_deref()
     }
 
+    pub fn self_contact(&self) -> Option<&SelfContact> {
+        self.self_contact.as_deref()
+    }
+
     /// The mesh the user gave the entity, seen past the one the cloth draws.
     pub fn user_mesh(&self) -> Option<AssetId<Mesh>> {
-        match (self.mesh, self.drawn) {
-            (Some(mesh), Some(drawn)) if mesh.id() == drawn.drawn.id() => drawn.source.as_ref().map(Handle::id),
-            (Some(mesh), _) => Some(mesh.id()),
-            (None, _) => None,
+        user_mesh(self.mesh, self.drawn)
+    }
+
+    /// Why a cloth that is asleep has to wake after `changes` of its own, and those of the shared settings.
+    pub fn wakes(&self, changes: &Changes, shared: &SharedChanges) -> Option<WakeCause> {
+        if !self.asleep {
+            return None;
+        }
+        if changes.grabs && self.grabs.as_ref().is_some_and(|grabs| !grabs.0.is_empty()) {
+            return Some(WakeCause::Hand);
+        }
+        let wind = (shared.wind && self.wind.is_none()) || (shared.gusts && self.gusts.is_none());
+        let by_shared = (shared.gravity && self.gravity.is_none())
+            || (shared.substeps && self.substeps.is_none())
+            || (shared.method && self.method.is_none())
+            || (shared.teleport && self.teleport.is_none())
+            || (shared.sleep && self.sleep.is_none());
+        let own = Changes { grabs: false, shared: false, ..*changes } != Changes::default();
+        match (own || by_shared, wind && self.air.is_some()) {
+            (true, _) => Some(WakeCause::Change),
+            (false, true) => Some(WakeCause::Wind),
+            (false, false) => None,
         }
     }
 
@@ -168,7 +207,7 @@ impl WantedItem<'_, '_> {
         placement: Option<Placement>,
         meshes: Option<&Assets<Mesh>>,
         modified: &HashSet<AssetId<Mesh>>,
-        shared: SharedSettings,
+        shared: &SharedSettings,
         running: bool,
     ) -> Changes {
         let seen = &self.authored;
@@ -189,7 +228,7 @@ impl WantedItem<'_, '_> {
                 || arrived
                 || new_mesh
                 || (self.cloth.is_changed() && seen.source.as_ref() != Some(&self.cloth.source))
-                || (scale - seen.scale).abs().max_element() > SCALE_TOLERANCE * seen.scale.abs().max_element(),
+                || differs_in_scale(scale, seen.scale),
             fabric: differs(&self.fabric, &seen.fabric),
             pins: differs(&self.pins, &seen.pins) || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
             weights: differs(&self.weights, &seen.weights),
@@ -202,11 +241,15 @@ impl WantedItem<'_, '_> {
                 || differs(&self.wind, &seen.wind)
                 || differs(&self.gusts, &seen.gusts)
                 || differs(&self.teleport, &seen.teleport)
-                || (self.gravity.is_none() && shared.0.is_changed())
-                || (self.substeps.is_none() && shared.1.is_changed())
-                || (self.wind.is_none() && shared.2.is_changed())
-                || (self.gusts.is_none() && shared.3.is_changed())
-                || (self.teleport.is_none() && shared.4.is_changed()),
+                || differs(&self.method, &seen.method)
+                || differs(&self.sleep, &seen.sleep),
+            self_contact: differs(&self.self_contact, &seen.self_contact),
+            shared: (self.gravity.is_none() && shared.gravity.is_changed())
+                || (self.substeps.is_none() && shared.substeps.is_changed())
+                || (self.wind.is_none() && shared.wind.is_changed())
+                || (self.gusts.is_none() && shared.gusts.is_changed())
+                || (self.teleport.is_none() && shared.teleport.is_changed())
+                || (self.sleep.is_none() && shared.sleep.is_changed()),
             grabs: match &self.grabs {
                 Some(grabs) => grabs.is_changed() || (seen.grabs_unchecked && running),
                 None => seen.faults.grabs.is_some(),
@@ -239,21 +282,27 @@ impl WantedItem<'_, '_> {
         seen.wind = self.wind.as_deref().copied();
         seen.gusts = self.gusts.as_deref().copied();
         seen.teleport = self.teleport.as_deref().copied();
+        seen.method = self.method.as_deref().copied();
+        seen.sleep = self.sleep.as_deref().copied();
+        seen.self_contact = self.self_contact.as_deref().copied();
         changes
     }
 
     /// Checks the settings that hold for this cloth, its own or the shared ones.
-    pub fn check_settings(&mut self, (gravity, substeps, wind, gusts, teleport): SharedSettings) {
-        let gravity = self.gravity.as_deref().unwrap_or(gravity).validate();
-        let substeps = self.substeps.as_deref().unwrap_or(substeps).validate();
+    pub fn check_settings(&mut self, shared: &SharedSettings) {
+        let gravity = self.gravity.as_deref().unwrap_or(&shared.gravity).validate();
+        let substeps = self.substeps.as_deref().unwrap_or(&shared.substeps).validate();
         let air = self.air.as_deref().map_or(Ok(()), Air::validate);
         let tearable = self.tearable.as_deref().map_or(Ok(()), Tearable::validate);
         let flammable = self.flammable.as_deref().map_or(Ok(()), Flammable::validate);
-        let wind = self.wind.as_deref().unwrap_or(wind).validate();
-        let gusts = self.gusts.as_deref().unwrap_or(gusts).validate();
-        let teleport = self.teleport.as_deref().unwrap_or(teleport).validate();
+        let wind = self.wind.as_deref().unwrap_or(&shared.wind).validate();
+        let gusts = self.gusts.as_deref().unwrap_or(&shared.gusts).validate();
+        let teleport = self.teleport.as_deref().unwrap_or(&shared.teleport).validate();
+        let sleep = self.sleep.as_deref().unwrap_or(&shared.sleep).validate();
+        let self_contact = self.self_contact.as_deref().map_or(Ok(()), SelfContact::validate);
+        let own = tearable.and(flammable).and(air).and(self_contact);
         self.authored.faults.settings =
-            gravity.and(substeps).and(tearable).and(flammable).and(air).and(wind).and(gusts).and(teleport).err();
+            gravity.and(substeps).and(own).and(wind).and(gusts).and(teleport).and(sleep).err();
     }
 
     /// Checks the hands on the cloth, or remembers to do so once there is a `topology`.

@@ -8,23 +8,28 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Pins as SolverPins;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::forces::Gusts;
-use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose};
+use cloth_solver::rest::Rest;
+use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose, Topology};
 
 use super::anchors::{self, Anchors};
-use super::authored::{WaitsFor, Wanted, WantedItem};
+use super::authored::{WaitsFor, Wanted, WantedItem, user_mesh};
 use super::placement::{Placement, Placements};
+use super::shared::{SharedSettings, SharedValues};
 use super::source::shape;
-use super::{ClothSkin, Follow, StepPlan};
+use super::{ClothSkin, DrawnMesh, Follow, StepPlan};
 use crate::air::Wind;
-use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
-use crate::damage::{ClothFire, ClothPieces, TearState};
+use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
+use crate::damage::{ClothFire, ClothPieces, Flammable, TearState, Tearable};
 use crate::events::ClothRejected;
+use crate::pins::Pins;
 use crate::report::report;
-use crate::settings::{Grabs, Gravity, Shared, Substeps};
+use crate::settings::{Grabs, Gravity, Substeps};
+use crate::sleep::{ClothAsleep, ClothSleep, wake_up};
 use crate::teleport::Teleport;
-use crate::weights::Loads;
+use crate::weights::{Loads, Weights};
+use crate::{Air, Method, SelfContact};
 
 /// The runtime state of one cloth, as far as a change of fabric or pins touches it.
 #[derive(QueryData)]
@@ -46,19 +51,31 @@ pub(crate) struct Running {
 pub(crate) struct Surroundings<'w, 's> {
     placements: Placements<'w, 's>,
     meshes: Option<Res<'w, Assets<Mesh>>>,
-    gravity: Res<'w, Shared<Gravity>>,
-    substeps: Res<'w, Shared<Substeps>>,
-    wind: Res<'w, Shared<Wind>>,
-    gusts: Res<'w, Shared<Gusts>>,
-    teleport: Res<'w, Shared<Teleport>>,
+    shared: SharedSettings<'w>,
 }
 
-/// Looks at every cloth and renews what changed, no more. In a quiet tick it only compares.
+/// The cloths that have to be looked at if neither a shared setting nor a mesh changed: all that are awake, and those of the
+/// others of which someone wrote to a component.
+type Touched = (
+    With<Cloth>,
+    Or<(
+        Without<ClothAsleep>,
+        Or<(Changed<Cloth>, Changed<Fabric>, Changed<Pins>, Changed<Weights>, Changed<Transform>, Changed<Mesh3d>)>,
+        Or<(Changed<Gravity>, Changed<Substeps>, Changed<Method>, Changed<Teleport>, Changed<ClothSleep>)>,
+        Changed<SelfContact>,
+        Or<(Changed<Grabs>, Changed<Tearable>, Changed<Flammable>, Changed<Air>, Changed<Wind>, Changed<Gusts>)>,
+    )>,
+);
+
+/// Looks at every cloth that is awake or touched, and renews what changed, no more. In a quiet tick it only compares.
 pub(crate) fn build(
     mut cloths: Query<(Wanted, Option<Running>)>,
+    touched: Query<Entity, Touched>,
+    asleep: Query<(Entity, &Mesh3d, Option<&DrawnMesh>), With<ClothAsleep>>,
     around: Surroundings,
     mesh_events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut modified: Local<HashSet<AssetId<Mesh>>>,
+    mut seen: Local<SharedValues>,
     mut commands: Commands,
 ) {
     modified.clear();
@@ -68,14 +85,18 @@ pub(crate) fn build(
             _ => None,
         }));
     }
-    let shared = (&around.gravity, &around.substeps, &around.wind, &around.gusts, &around.teleport);
-    for (mut wanted, mut running) in &mut cloths {
+    let shared_changes = around.shared.changes(&mut seen);
+    let mut look = |(mut wanted, mut running): (WantedItem, Option<RunningItem>)| {
+        let shared = &around.shared;
         let placement = around.placements.get(wanted.entity);
         let changes = wanted.notice(placement, around.meshes.as_deref(), &modified, shared, running.is_some());
-        if changes == default() {
-            continue;
+        if let Some(cause) = wanted.wakes(&changes, &shared_changes) {
+            wake_up(&mut commands, wanted.entity, cause);
         }
-        if changes.settings {
+        if changes == default() {
+            return;
+        }
+        if changes.settings || changes.self_contact || changes.shared {
             wanted.check_settings(shared);
         }
         if changes.shape || (wanted.authored.stale && changes.fabric) {
@@ -87,6 +108,9 @@ pub(crate) fn build(
             if changes.fabric || changes.weights {
                 wanted.authored.faults.fabric = running.change_fabric(&wanted.fabric()).err();
             }
+            if changes.fabric || changes.self_contact {
+                wanted.renew_self_contacts(&running.topology.0, &mut commands);
+            }
             if changes.pins {
                 wanted.authored.faults.pins = running.change_pins(&wanted, &around.placements).err();
             }
@@ -95,6 +119,17 @@ pub(crate) fn build(
             wanted.check_grabs(running.map(|running| &*running.topology.0));
         }
         wanted.tell(&mut commands);
+    };
+    if shared_changes.touched {
+        cloths.iter_mut().for_each(look);
+        return;
+    }
+    let is_modified = |mesh, drawn| user_mesh(Some(mesh), drawn).is_some_and(|id| modified.contains(&id));
+    let remade = asleep.iter().filter(|(_, mesh, drawn)| !modified.is_empty() && is_modified(mesh, *drawn));
+    for entity in touched.iter().chain(remade.map(|(entity, ..)| entity)) {
+        if let Ok(cloth) = cloths.get_mut(entity) {
+            look(cloth);
+        }
     }
 }
 
@@ -132,6 +167,7 @@ impl WantedItem<'_, '_> {
             Ok(_) if self.authored.faults.fabric.is_some() => {}
             Ok((topology, skin)) => {
                 let (topology, skin) = (ClothTopology(Arc::new(topology)), ClothSkin(Arc::new(skin)));
+                let whole = topology.0.clone();
                 match self.assemble(topology, skin, placement, &around.placements) {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
@@ -140,8 +176,9 @@ impl WantedItem<'_, '_> {
                         entity.try_insert(state);
                         if renew {
                             // What was held, torn or burnt is no more.
-                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire)>();
+                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire, SelfContacts)>();
                         }
+                        self.renew_self_contacts(&whole, commands);
                     }
                 }
             }
@@ -183,7 +220,24 @@ impl WantedItem<'_, '_> {
                 Err(error) => self.authored.faults.pins = Some(error),
             }
         }
-        Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, StepPlan::default()))
+        let plan = (StepPlan::default(), Rest::default());
+        Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, plan))
+    }
+
+    /// Contact with itself, over `topology`, as it is wanted now: none, or anew. What is refused changes nothing.
+    fn renew_self_contacts(&self, topology: &Topology, commands: &mut Commands) {
+        let mut entity = commands.entity(self.entity);
+        match self.self_contact() {
+            None => {
+                entity.try_remove::<SelfContacts>();
+            }
+            Some(settings) if self.authored.faults.fabric.is_none() => {
+                if let Ok(own) = SelfContacts::new(topology, &self.fabric(), settings) {
+                    entity.try_insert(own);
+                }
+            }
+            Some(_) => {}
+        }
     }
 
     /// Tells what is wrong if it was not told before, and takes the refusal back if nothing is.

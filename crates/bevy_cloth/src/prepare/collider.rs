@@ -1,5 +1,7 @@
 //! Colliders: from authored shapes to the solver's, and where each stands in this tick.
 
+use std::cmp::Ordering;
+
 use bevy::prelude::*;
 use cloth_solver::contact::{Collider, Contacts, Shape};
 use cloth_solver::{ClothError, Fabric, Motion, Pose};
@@ -11,6 +13,7 @@ use crate::cloth::ClothFrame;
 use crate::collider::{ClothCollider, ColliderFriction};
 use crate::events::ColliderRejected;
 use crate::report::report;
+use crate::sleep::{ClothAsleep, Disturbances};
 use crate::step::ClothTick;
 use crate::teleport::{Teleport, TeleportPolicy};
 
@@ -31,6 +34,8 @@ pub(crate) struct ColliderState {
     pub follow: Option<Follow>,
     /// Its transform was not finite when last looked at.
     lost: bool,
+    /// It is another one than in the last tick.
+    changed: bool,
 }
 
 /// Makes the shapes of colliders that are new or changed.
@@ -65,6 +70,7 @@ pub(crate) fn build(
         if !reshaped && !rubbed {
             continue;
         }
+        state.changed = true;
         state.seen = Some((ClothCollider::clone(&collider), scale));
         state.friction = friction.as_deref().copied();
         let made = shape(&collider, scale).and_then(|shape| state.check_friction().map(|()| shape));
@@ -118,44 +124,95 @@ fn scaled(plane: Vec4, scale: Vec3) -> Result<(Vec3, f32), ClothError> {
 }
 
 /// One collider in this tick, in the world.
+#[derive(Clone, Debug)]
 pub(crate) struct Placed {
     entity: Entity,
     shape: Shape,
     from: Pose,
     to: Pose,
     friction: Option<f32>,
+    changed: bool,
 }
 
-/// Finds where every collider stands, and gives each cloth its colliders as seen from its own frame.
-pub(crate) fn advance(
+/// All colliders in this tick, in the world, in the order of their entities.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct Colliders(Vec<Placed>);
+
+impl Colliders {
+    /// Their entities.
+    pub fn entities(&self) -> impl Iterator<Item = Entity> {
+        self.0.iter().map(|collider| collider.entity)
+    }
+
+    /// All of them as a cloth in `frame` sees them, where the collider itself does not say how it rubs with `friction`.
+    pub fn seen_by(&self, frame: &ClothFrame, friction: f32) -> impl Iterator<Item = Collider> {
+        self.0.iter().map(move |collider| Collider {
+            shape: collider.shape.clone(),
+            motion: seen_from(frame, collider),
+            friction: collider.friction.unwrap_or(friction),
+        })
+    }
+}
+
+/// Finds where every collider stands, and which of them disturb what is near.
+pub(crate) fn place(
     mut colliders: Query<(Entity, &mut ColliderState), With<ClothCollider>>,
-    mut cloths: Query<(&mut Contacts, &ClothFrame, Option<&Fabric>, &StepPlan)>,
     placements: Placements,
     tick: Res<ClothTick>,
-    mut placed: Local<Vec<Placed>>,
+    mut placed: ResMut<Colliders>,
+    mut before: Local<Colliders>,
+    mut disturbances: ResMut<Disturbances>,
 ) {
-    placed.clear();
+    std::mem::swap(&mut *placed, &mut *before);
+    placed.0.clear();
     for (entity, mut state) in &mut colliders {
         let now = placements.get(entity).filter(Placement::is_finite).map(|placement| placement.pose);
-        let ColliderState { shape: Some(shape), friction, follow, .. } = &mut *state else { continue };
+        let ColliderState { shape: Some(shape), friction, follow, changed, .. } = &mut *state else { continue };
         let Some(target) = now.or(follow.map(|follow| follow.target)) else { continue };
         let Motion { from, to } = follow.get_or_insert(Follow::new(target)).sweep(target, &tick);
         let (shape, friction) = (shape.clone(), friction.map(|friction| friction.0));
-        placed.push(Placed { entity, shape, from, to, friction });
+        placed.0.push(Placed { entity, shape, from, to, friction, changed: std::mem::take(changed) });
     }
     // The order in a query depends on what else was spawned, and the order of contacts on it down to the last bit.
-    placed.sort_unstable_by_key(|collider| collider.entity);
+    placed.0.sort_unstable_by_key(|collider| collider.entity);
+    disturbances.clear();
+    find_disturbances(&before.0, &placed.0, &mut disturbances);
+}
+
+/// Goes through the colliders before and now, both in the order of their entities, for those that are different.
+fn find_disturbances(mut before: &[Placed], mut now: &[Placed], disturbances: &mut Disturbances) {
+    loop {
+        let order = match (before.first(), now.first()) {
+            (None, None) => return,
+            (None, Some(_)) => Ordering::Greater,
+            (Some(_), None) => Ordering::Less,
+            (Some(before), Some(now)) => before.entity.cmp(&now.entity),
+        };
+        let (gone, come) = (order.is_le(), order.is_ge());
+        if order.is_ne() || now[0].changed || now[0].to != before[0].to {
+            if order.is_eq() && !now[0].changed && now[0].from == before[0].to {
+                disturbances.sweep(&now[0].shape, now[0].from, now[0].to);
+            } else {
+                before.iter().take(usize::from(gone)).for_each(|gone| disturbances.appear(&gone.shape, gone.to));
+                now.iter().take(usize::from(come)).for_each(|come| disturbances.appear(&come.shape, come.to));
+            }
+        }
+        (before, now) = (&before[usize::from(gone)..], &now[usize::from(come)..]);
+    }
+}
+
+/// Gives each cloth the colliders as seen from its own frame.
+pub(crate) fn advance(
+    mut cloths: Query<(&mut Contacts, &ClothFrame, Option<&Fabric>, &StepPlan), Without<ClothAsleep>>,
+    placed: Res<Colliders>,
+) {
     for (mut contacts, frame, fabric, plan) in &mut cloths {
-        if plan.substeps == 0 || (placed.is_empty() && contacts.colliders.is_empty()) {
+        if plan.substeps == 0 || (placed.0.is_empty() && contacts.colliders.is_empty()) {
             continue;
         }
-        let fabric_friction = fabric.copied().unwrap_or_default().friction;
-        contacts.set_colliders(placed.iter().map(|collider| Collider {
-            shape: collider.shape.clone(),
-            motion: seen_from(frame, collider),
-            friction: collider.friction.unwrap_or(fabric_friction),
-        }));
-        if placed.is_empty() {
+        let friction = fabric.copied().unwrap_or_default().friction;
+        contacts.set_colliders(placed.seen_by(frame, friction));
+        if placed.0.is_empty() {
             (contacts.touching, contacts.deepest) = (0, 0.0);
         }
     }

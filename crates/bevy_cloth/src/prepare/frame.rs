@@ -4,7 +4,7 @@ use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::constraint::Grab as SolverGrab;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::tick::{Effort, Pace};
 use cloth_solver::{Fabric, Method, Particles, Pose, Soa3, Substep, Tick};
 
@@ -16,6 +16,7 @@ use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
 use crate::report::report;
 use crate::settings::{Grab, Grabs, Gravity, Shared, Substeps};
+use crate::sleep::{ClothAsleep, WakeCause, wake_up};
 use crate::step::ClothTick;
 use crate::teleport::{Teleport, TeleportPolicy};
 use crate::weights::Loads;
@@ -36,7 +37,8 @@ pub(crate) struct StepPlan {
 }
 
 impl StepPlan {
-    fn plan_substeps(&mut self, budget: &Substeps) {
+    /// Lets the cloth take part in the tick.
+    pub fn plan_substeps(&mut self, budget: &Substeps) {
         self.substeps = budget.count;
         self.budget = *budget;
     }
@@ -111,7 +113,7 @@ pub(crate) struct Ticking {
 
 /// Moves frames, pins and hands, keeps the shape for drawing between ticks, and plans the substeps.
 pub(crate) fn advance(
-    mut cloths: Query<Ticking, Without<ClothRejection>>,
+    mut cloths: Query<Ticking, (Without<ClothRejection>, Without<ClothAsleep>)>,
     mut rejected: Query<&mut StepPlan, With<ClothRejection>>,
     placements: Placements,
     (substeps, method): (Res<Shared<Substeps>>, Res<Shared<Method>>),
@@ -245,7 +247,7 @@ fn express(points: &mut Soa3, step: &Pose) {
 
 /// Sets gravity, in the cloth's frame.
 pub(crate) fn weigh(
-    mut cloths: Query<(&mut Particles, &ClothFrame, Option<&Gravity>, &StepPlan)>,
+    mut cloths: Query<(&mut Particles, &ClothFrame, Option<&Gravity>, &StepPlan), Without<ClothAsleep>>,
     shared: Res<Shared<Gravity>>,
     tick: Res<ClothTick>,
 ) {
@@ -291,6 +293,7 @@ pub(crate) struct Resettable {
     frame: &'static ClothFrame,
     anchors: &'static Anchors,
     authored: &'static mut Authored,
+    own: Option<&'static mut SelfContacts>,
     is_damaged: Has<ClothPieces>,
     fire: Option<&'static ClothFire>,
 }
@@ -301,9 +304,13 @@ pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut
         let place = cloth.anchors.home(cloth.frame, &cloth.constraints.pins().pins);
         reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints, &place);
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
+        if let Some(own) = &mut cloth.own {
+            own.follow(cloth.topology);
+        }
         if cloth.is_damaged || cloth.fire.is_some_and(|fire| fire.scarred || fire.is_warm()) {
             cloth.authored.forget_shape();
         }
+        wake_up(&mut commands, asked.entity, WakeCause::Particles);
         report(&mut commands, ClothReset { entity: asked.entity });
     }
 }

@@ -8,6 +8,7 @@ mod follow;
 mod frame;
 mod placement;
 mod select;
+mod shared;
 mod source;
 mod undo;
 mod wind_source;
@@ -19,14 +20,14 @@ use cloth_solver::forces::{Fan, WindZone};
 
 use crate::air;
 use crate::schedule::{ClothSchedule, ClothSystems};
+use crate::sleep;
 
 pub(crate) use anchors::Anchors;
-pub(crate) use authored::Authored;
-pub(crate) use collider::ColliderState;
+pub(crate) use authored::{Authored, differs_in_scale};
+pub(crate) use collider::{ColliderState, Colliders};
 pub(crate) use follow::Follow;
 pub(crate) use frame::StepPlan;
-#[cfg(feature = "render")]
-pub(crate) use placement::Placements;
+pub(crate) use placement::{Placement, Placements};
 pub(crate) use select::select;
 pub(crate) use source::Skin;
 pub(crate) use wind_source::WindSources;
@@ -73,6 +74,7 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
     }
     let winds = (wind_source::build::<Fan>, wind_source::build::<WindZone>);
     app.init_resource::<WindSources>()
+        .init_resource::<Colliders>()
         .init_resource::<air::SharedWind>()
         .init_schedule(BuildSchedule)
         .edit_schedule(BuildSchedule, |schedule| {
@@ -81,8 +83,12 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
         })
         .add_systems(BuildSchedule, ((build::build, air::build).chain(), collider::build, winds))
         .add_systems(schedule, run_build.in_set(ClothSystems::Build))
-        .add_systems(ClothSchedule, (frame::advance, collider::advance).chain().in_set(ClothSystems::Prepare))
-        .add_systems(ClothSchedule, wind_source::place.in_set(ClothSystems::Prepare))
+        .add_systems(
+            ClothSchedule,
+            ((collider::place, wind_source::place), sleep::wake, frame::advance, collider::advance)
+                .chain()
+                .in_set(ClothSystems::Prepare),
+        )
         .add_systems(ClothSchedule, (frame::weigh, air::sample).chain().in_set(ClothSystems::Forces))
         .add_observer(wind_source::on_removed::<Fan>)
         .add_observer(wind_source::on_removed::<WindZone>)

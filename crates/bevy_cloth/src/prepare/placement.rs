@@ -12,6 +12,11 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
+    /// Of an entity without parent. Straight from the fields: a transform that nobody touches gives the same bits at every tick.
+    pub fn of(transform: &Transform) -> Self {
+        Self { pose: Pose::new(transform.translation, transform.rotation.normalize()), scale: transform.scale }
+    }
+
     pub fn is_finite(&self) -> bool {
         self.pose.is_finite() && self.scale.is_finite()
     }
@@ -32,8 +37,7 @@ impl Placements<'_, '_> {
     pub fn get(&self, entity: Entity) -> Option<Placement> {
         let own = self.transforms.get(entity).ok()?;
         if self.parents.get(entity).is_err() {
-            // Straight from the fields: a transform that nobody touches gives the same bits at every tick.
-            return Some(Placement { pose: Pose::new(own.translation, own.rotation.normalize()), scale: own.scale });
+            return Some(Placement::of(own));
         }
         let (scale, rotation, translation) = self.affine(entity)?.to_scale_rotation_translation();
         Some(Placement { pose: Pose::new(translation, rotation.normalize()), scale })

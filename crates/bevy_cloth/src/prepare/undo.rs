@@ -3,21 +3,25 @@
 use bevy::prelude::*;
 use cloth_solver::Particles;
 use cloth_solver::cloth::Constraints;
-use cloth_solver::contact::Contacts;
+use cloth_solver::contact::{Contacts, SelfContacts};
+use cloth_solver::rest::Rest;
 
 use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
 use crate::air::Surroundings;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
+use crate::contact::Touching;
 use crate::damage::{ClothFire, ClothPieces, TearState};
+use crate::self_contact::Tangled;
 use crate::settings::Grabs;
+use crate::sleep::ClothAsleep;
 use crate::weights::Loads;
 
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
-    (ClothPieces, TearState, ClothFire),
+    (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

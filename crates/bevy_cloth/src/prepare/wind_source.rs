@@ -6,7 +6,9 @@ use cloth_solver::{ClothError, Pose};
 
 use super::build::not_finite;
 use super::placement::{Placement, Placements};
+use super::relative;
 use crate::clock::ClothClock;
+use crate::cloth::ClothFrame;
 use crate::events::WindRejected;
 use crate::report::report;
 
@@ -51,6 +53,20 @@ impl<T: WindSource> Default for SourceState<T> {
 pub(crate) struct WindSources {
     pub fans: Vec<(Entity, Fan, Pose)>,
     pub zones: Vec<(Entity, WindZone, Pose)>,
+    /// Whether any of it is other than it was a tick ago.
+    pub changed: bool,
+}
+
+impl WindSources {
+    /// The fans, as a cloth in `frame` sees them.
+    pub fn fans_seen_from(&self, frame: &ClothFrame) -> impl Iterator<Item = (Fan, Pose)> {
+        self.fans.iter().map(|(_, fan, pose)| (*fan, relative(&frame.pose, pose)))
+    }
+
+    /// The zones, as a cloth in `frame` sees them.
+    pub fn zones_seen_from(&self, frame: &ClothFrame) -> impl Iterator<Item = (WindZone, Pose)> {
+        self.zones.iter().map(|(_, zone, pose)| (*zone, relative(&frame.pose, pose)))
+    }
 }
 
 /// Checks sources that are new or changed, and gives a new one the transform it may lack.
@@ -90,13 +106,16 @@ pub(crate) fn place(
     placements: Placements,
     clock: Res<Time<ClothClock>>,
     mut sources: ResMut<WindSources>,
+    mut before: Local<WindSources>,
 ) {
-    let WindSources { fans: placed_fans, zones: placed_zones } = &mut *sources;
+    std::mem::swap(&mut *sources, &mut *before);
+    let WindSources { fans: placed_fans, zones: placed_zones, changed } = &mut *sources;
     gather(fans.iter_mut(), &placements, placed_fans);
     gather(zones.iter_mut(), &placements, placed_zones);
-    for (_, fan, pose) in placed_fans {
+    for (_, fan, pose) in &mut *placed_fans {
         *pose = fan.turned(*pose, clock.elapsed_secs_f64());
     }
+    *changed = *placed_fans != before.fans || *placed_zones != before.zones;
 }
 
 fn gather<'a, T: WindSource>(

@@ -14,6 +14,7 @@ use crate::clock::{ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
 use crate::prepare::{ClothSkin, DrawnMesh, Placements, Skin};
 use crate::settings::Shared;
+use crate::sleep::ClothAsleep;
 
 /// What is drawn of one cloth, and the memory to work it out.
 #[derive(Component, Clone, Debug)]
@@ -29,6 +30,8 @@ pub(crate) struct Drawing {
     relation: Affine3A,
     coloring: Option<ClothColoring>,
     written: bool,
+    /// It was asleep when it was last drawn, and so is what is drawn.
+    stands: bool,
 }
 
 impl Drawing {
@@ -45,6 +48,7 @@ impl Drawing {
             relation: Affine3A::IDENTITY,
             coloring: None,
             written: false,
+            stands: false,
         }
     }
 
@@ -78,7 +82,7 @@ pub(crate) fn write(
         Ref<Particles>,
         Option<&Fabric>,
         Option<&ClothColoring>,
-        (&DrawnMesh, Told),
+        (&DrawnMesh, Told, Has<ClothAsleep>),
         &mut Drawing,
         Option<&mut Aabb>,
     )>,
@@ -88,14 +92,16 @@ pub(crate) fn write(
     mut meshes: ResMut<Assets<Mesh>>,
     stress_colors: Local<StressColors>,
 ) {
-    for (entity, (topology, skin, frame, history), particles, fabric, coloring, (mesh, told), mut drawing, aabb) in
-        &mut cloths
-    {
+    for (entity, state, particles, fabric, coloring, (mesh, told, asleep), mut drawing, aabb) in &mut cloths {
+        let (topology, skin, frame, history) = state;
         let drawing = &mut *drawing;
         let coloring = *coloring.unwrap_or(&shared);
         let relation = relation(&frame.pose, placements.affine(entity));
         let Some(relation) = relation.filter(|relation| relation.is_finite()) else { continue };
-        let moved = drawing.show(&history.position, &particles.position, time.interpolation());
+        // Between two equal positions rounding depends on the place: what sleeps is drawn once more, where it is.
+        let stood = std::mem::replace(&mut drawing.stands, asleep) && asleep && !particles.is_changed();
+        let between = if asleep { 1.0 } else { time.interpolation() };
+        let moved = !stood && drawing.show(&history.position, &particles.position, between);
         let recolored = drawing.coloring != Some(coloring)
             || (coloring != ClothColoring::Material && particles.is_changed())
             || told.is_burning();

@@ -1,7 +1,7 @@
 //! The constraints of one cloth, and the order in which a substep solves them.
 //!
-//! [`kernel`] has the laws, one to a file; [`surface`] what owns them: a grid, any other mesh, what was taken apart; [`hold`] what holds
-//! cloth; [`tension`] is read off, [`wear`] is what damage does.
+//! `kernel` has the laws, one to a file; `surface` what owns them: a grid, any other mesh, what was taken apart; `hold` what holds
+//! cloth; `tension` is read off, `wear` is what damage does.
 
 mod hold;
 mod kernel;
@@ -283,8 +283,8 @@ impl Constraints {
         }
         if was_noted {
             let pinned = self.pins.pins.iter().map(|pin| pin.particle);
-            let held: Vec<u32> = pinned.chain(self.grabs.iter().flat_map(|grab| grab.particles)).collect();
-            rigid::keep(particles, self.pieces.as_ref(), &held, &mut self.bodies);
+            let held = pinned.chain(self.grabs.iter().flat_map(|grab| grab.particles));
+            rigid::keep(particles, self.pieces.as_ref(), held, &mut self.bodies);
         }
         // Last, where the load of the cloth on the hand is known: the hand damps what it does, not what it undoes.
         for grab in &self.grabs {

@@ -20,8 +20,15 @@ use super::{ConvexHull, Shape};
 /// corners meet before they do.
 const PARALLEL: f32 = 1e-3;
 
-/// How far a direction may be outside of the normals of an edge or a corner, sine of the angle: rounding.
-const CONE: f32 = 1e-4;
+/// How far a direction may be outside of the normals of an edge or a corner, sine of the angle: the rounding of places some
+/// decimetres from the origin, over a distance kept of a tenth of a millimetre.
+const CONE: f32 = 2e-3;
+
+/// Cosine of the angle to a triangle's normal beyond which a way off a corner is along the triangle rather than away from it.
+const OBLIQUE: f32 = 0.5;
+
+/// Rounds in which what would pass through a solid is held back, at most: each holds back what the last one let in.
+const MOST_ZONES: u32 = 16;
 
 /// What a plane may lack of the distance kept, as a part of it, and be beyond: rounding.
 const BEYOND: f32 = 0.9;
@@ -60,16 +67,16 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
             continue;
         }
         if let Shape::Convex(hull) = shape {
-            let nearest = |points, reach| triangle_and_corners(hull, near, points, reach);
+            let nearest = |near: &[u32], points, reach| triangle_and_corners(hull, near, points, reach);
             let inside = |points| {
                 triangle_around_corner(hull, near, points, margin)
                     .or_else(|| triangle_over_corners(hull, near, points, margin))
             };
-            touch(patch, corners, keep, nearest, inside, shape, answer);
+            touch_solid(patch, corners, near, nearest, inside, (shape, hull), answer);
         } else {
             for point in near.iter().map(|which| part.points[*which as usize]) {
                 let nearest = |points, _| triangle_and_point(points, point);
-                touch(patch, corners, keep, nearest, |_| None, shape, answer);
+                touch_round(patch, corners, keep, nearest, shape, answer);
             }
         }
     }
@@ -79,16 +86,54 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
             continue;
         }
         if let Shape::Convex(hull) = shape {
-            let nearest = |points, reach| edge_and_edges(hull, near, points, reach);
-            let inside = |points| edge_over_edges(hull, near, points, margin);
-            touch(patch, ends, keep, nearest, inside, shape, answer);
+            let nearest = |near: &[u32], points, reach| edge_and_edges(hull, near, points, reach);
+            let inside = |points| edge_over_edges(hull, Some(near), points, margin);
+            touch_solid(patch, ends, near, nearest, inside, (shape, hull), answer);
         } else {
             for axis in near.iter().map(|which| part.segments[*which as usize]) {
                 let nearest = |points, _| edge_and_segment(points, axis);
-                touch(patch, ends, keep, nearest, |_| None, shape, answer);
+                touch_round(patch, ends, keep, nearest, shape, answer);
             }
         }
     }
+}
+
+/// Lets what passes through the solid, and did not when the stage began, go with the solid through this stage as one rigid body
+/// (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002): passes over contacts that pull at each other need not agree.
+pub(super) fn hold_back(patch: &mut Patch, part: &Part, hull: &ConvexHull, margin: f32) {
+    for _ in 0..MOST_ZONES {
+        let mut holds = false;
+        for triangle in &part.triangles {
+            holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), hull, margin);
+        }
+        for edge in &part.edges {
+            holds |= hold_back_one(patch, edge.corners.map(|i| i as usize), hull, margin);
+        }
+        if !holds {
+            break;
+        }
+    }
+}
+
+/// [`hold_back`] of one triangle or edge; `true` if it had to be.
+fn hold_back_one<const N: usize>(patch: &mut Patch, corners: [usize; N], hull: &ConvexHull, margin: f32) -> bool {
+    let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
+    if is_beyond(patch, corners, margin) || !is_cut(hull, now) || is_cut(hull, before) {
+        return false;
+    }
+    let mut holds = false;
+    for i in 0..N {
+        let corner = corners[i];
+        if patch.inverse_mass[corner] > 0.0 && now[i] != before[i] {
+            patch.now.set(corner, before[i]);
+            patch.shift.set(corner, patch.shift.get(corner) + before[i] - now[i]);
+            patch.way.set(corner, patch.way.get(corner) - patch.slip.get(corner));
+            patch.slip.set(corner, Vec3::ZERO);
+            patch.touched[corner] = true;
+            holds = true;
+        }
+    }
+    holds
 }
 
 /// Whether all of these are beyond a plane that the whole collider is on the other side of.
@@ -107,34 +152,73 @@ fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) ->
     false
 }
 
-/// Finds whether and where these come nearer than `keep` to what `nearest` finds next to them within a reach, and answers. What
-/// was inside from the start, `inside` knows the way out of.
+/// Meets a solid with corners and edges, of which `near` are met. What was inside from the start, `inside` knows the way out of.
+fn touch_solid<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    near: &[u32],
+    nearest: impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
+    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    (shape, hull): (&Shape, &ConvexHull),
+    answer: &Answer,
+) {
+    let keep = answer.margin;
+    let mut is_outside = false;
+    for one in near.chunks(1) {
+        is_outside |= touch(patch, corners, keep, |points, reach| nearest(one, points, reach), shape, answer);
+    }
+    // In a quiet substep nothing gets in: pushed out here, taut cloth over an edge would never rest.
+    if answer.part >= 1.0 {
+        return;
+    }
+    let now = corners.map(|i| patch.now.get(i));
+    let way_out = if is_outside {
+        if is_cut(hull, now) { inside(now) } else { None }
+    } else {
+        let outside = nearest(near, now, keep).map(|pair| (pair, keep - pair.distance));
+        outside.or_else(|| inside(now))
+    };
+    if let Some((pair, depth)) = way_out.filter(|(_, depth)| *depth > 0.0) {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
+}
+
+/// Meets the centre or the axis of a round solid.
+fn touch_round<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    keep: f32,
+    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    shape: &Shape,
+    answer: &Answer,
+) {
+    if touch(patch, corners, keep, &nearest, shape, answer) || answer.part >= 1.0 {
+        return;
+    }
+    let now = corners.map(|i| patch.now.get(i));
+    let outside = nearest(now, keep).map(|pair| (pair, keep - pair.distance));
+    if let Some((pair, depth)) = outside.filter(|(_, depth)| *depth > 0.0) {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
+}
+
+/// Finds whether and where these come nearer than `keep` to what `nearest` finds next to them within a reach, and answers. `false`
+/// if there was nothing where they began.
 fn touch<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
     keep: f32,
     nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
-    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
     shape: &Shape,
     answer: &Answer,
-) {
+) -> bool {
     let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
     let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
     let depth_at = |pair: &Pair<N>| keep - pair.normal.dot(blend(pair.weights, now) - pair.core);
-    let Some(mut pair) = nearest(before, keep + moved) else {
-        // In a quiet substep nothing gets in: pushed out here, taut cloth over an edge would never rest.
-        if answer.part >= 1.0 {
-            return;
-        }
-        let outside = nearest(now, keep).map(|pair| (pair, keep - pair.distance));
-        if let Some((pair, depth)) = outside.or_else(|| inside(now)).filter(|(_, depth)| *depth > 0.0) {
-            push(patch, corners, &pair, depth, shape, answer);
-        }
-        return;
-    };
+    let Some(mut pair) = nearest(before, keep + moved) else { return false };
     // The plane between them, if they are still on their own sides of it.
     if now.iter().all(|p| pair.normal.dot(*p - pair.core) >= keep) {
-        return;
+        return true;
     }
     let (high, depth) = ((pair.distance - keep).max(0.0), depth_at(&pair));
     let time = if depth > 0.0 { high / (high + depth) } else { 1.0 };
@@ -146,6 +230,7 @@ fn touch<const N: usize>(
     if depth > 0.0 {
         push(patch, corners, &pair, depth, shape, answer);
     }
+    true
 }
 
 fn blend<const N: usize>(weights: [f32; N], points: [Vec3; N]) -> Vec3 {
@@ -222,16 +307,61 @@ fn faces(hull: &ConvexHull, corner: usize, normal: Vec3) -> Option<f32> {
     }
 }
 
-/// What a contact with a corner or an edge may be deep, m: less than the way out through a face is long, where the particles are
-/// met, and than the inner radius, or it is on the other side of the solid.
+/// What a contact with a corner or an edge may be deep, m: less than the inner radius, or it is on the other side of the solid, and
+/// than the way out through a face is long, where particles are met; of what has no particle inside and yet passes through the
+/// solid, no particle is met.
 fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32) -> f32 {
+    let is_inside = |p: &Vec3| hull.planes.iter().all(|(n, d)| n.dot(*p) < *d);
+    if !points.iter().any(is_inside) && is_cut(hull, points) {
+        return margin + hull.inner_radius;
+    }
     let faces = hull.planes.iter().map(|(n, d)| d - points.map(|p| n.dot(p)).into_iter().fold(f32::INFINITY, f32::min));
     margin + faces.fold(hull.inner_radius, f32::min)
 }
 
+/// Whether an edge or a triangle passes through a solid.
+fn is_cut<const N: usize>(hull: &ConvexHull, points: [Vec3; N]) -> bool {
+    let pairs = (0..N).flat_map(|i| (i + 1..N).map(move |j| [i, j]));
+    let edges = hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize]));
+    pairs.map(|pair| pair.map(|i| points[i])).any(|ends| is_segment_cut(hull, ends))
+        || N == 3 && edges.into_iter().any(|edge| is_pierced([points[0], points[1], points[N - 1]], edge))
+}
+
+/// Whether a segment passes through a solid: it is clipped by the planes (Cyrus and Beck 1978).
+fn is_segment_cut(hull: &ConvexHull, [a, b]: [Vec3; 2]) -> bool {
+    let (mut enters, mut leaves) = (0.0_f32, 1.0_f32);
+    for (n, d) in &hull.planes {
+        let (from, to) = (n.dot(a) - d, n.dot(b) - d);
+        if from >= 0.0 && to >= 0.0 {
+            return false;
+        }
+        let time = from / (from - to);
+        if from > 0.0 {
+            enters = enters.max(time);
+        } else if to > 0.0 {
+            leaves = leaves.min(time);
+        }
+    }
+    enters < leaves
+}
+
+/// Whether a segment passes through a triangle.
+fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
+    let across = (b - a).cross(c - a);
+    let [low, high] = [from, to].map(|end| across.dot(end - a));
+    if (low < 0.0) == (high < 0.0) {
+        return false;
+    }
+    let place = from.lerp(to, low / (low - high));
+    [[a, b], [b, c], [c, a]].iter().all(|[u, v]| (*u - place).cross(*v - place).dot(across) > 0.0)
+}
+
 /// The way off the corner of a solid that sticks through a triangle, and how far it is, m.
 fn triangle_over_corners(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
-    let most_depth = most_depth(hull, points, margin);
+    let edges = [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|i: usize| points[i]));
+    // Where an edge of it crosses one of the solid less deep, that is the way out.
+    let crossed = edges.into_iter().filter_map(|ends| edge_over_edges(hull, None, ends, margin));
+    let most_depth = crossed.map(|(_, depth)| depth).fold(most_depth(hull, points, margin), f32::min);
     let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
     let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
     let ways = corners.filter_map(|(which, &core)| {
@@ -279,18 +409,26 @@ fn triangle_around_corner(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], ma
         let weights = sum.map(|weight| weight / count);
         let way = core - blend(weights, points);
         let distance = way.length();
-        let is_through = around && distance > f32::MIN_POSITIVE;
-        is_through.then(|| (Pair { weights, core, normal: way / distance, distance }, distance + margin))
+        if !around || distance <= f32::MIN_POSITIVE {
+            return None;
+        }
+        // An edge that lies in the triangle passes through it anywhere: then the way is off the triangle's plane.
+        let (off, out) = (across * (height.signum() / area.sqrt()), height.abs() / area.sqrt());
+        let is_oblique = out < OBLIQUE * distance;
+        let (normal, distance) = if is_oblique { (off, out) } else { (way / distance, distance) };
+        Some((Pair { weights, core, normal, distance }, distance + margin))
     });
     ways.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The way off that edge of a solid which this one crosses least deep, and how far it is, m.
-fn edge_over_edges(hull: &ConvexHull, near: &[u32], ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
+/// The way off that edge of a solid, one of those `near` if given, which this one crosses least deep, and how far it is, m.
+fn edge_over_edges(hull: &ConvexHull, near: Option<&[u32]>, ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
     let along = ends[1] - ends[0];
     let mut most_depth = most_depth(hull, ends, margin);
     let mut least = None;
-    for ([a, b], into_faces) in edges_of(hull, near) {
+    let count = near.map_or(hull.edges.len(), <[u32]>::len);
+    for which in (0..count).map(|i| near.map_or(i, |near| near[i] as usize)) {
+        let ([a, b], into_faces) = (hull.edges[which].map(|i| hull.corners[i as usize]), hull.into_faces[which]);
         let (ridge, between) = (b - a, a - ends[0]);
         let across = along.cross(ridge);
         let square = across.length_squared();
@@ -358,6 +496,9 @@ fn push<const N: usize>(
             }
             patch.touched[corner] = true;
         }
+    }
+    if distance_before >= 0.0 {
+        patch.approach = patch.approach.max(approach);
     }
     patch.pushes += 1;
     patch.deepest = patch.deepest.max(depth);

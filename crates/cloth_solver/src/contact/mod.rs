@@ -9,15 +9,20 @@
 //! the sliding as much as the removed part allows, in position and in velocity alike, so that cloth at rest does not
 //! creep.
 
+mod cloth;
 mod features;
 mod near;
 mod nearest;
 mod patch;
 mod respond;
 mod shape;
+mod touch;
 
+pub(crate) use cloth::{Bounds, Hierarchy};
+pub use cloth::{SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
+pub use touch::Touch;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
@@ -51,12 +56,16 @@ pub struct Contacts {
     pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
     pub colliders: Vec<Collider>,
+    /// What each of them met in the last tick.
+    pub touches: Vec<Touch>,
     /// Contacts of particles, triangles and edges with colliders in the last substep.
     pub touching: u32,
     /// How far the deepest point of the cloth was below the offset before it was pushed out in the last substep, m.
     pub deepest: f32,
     /// Square of the radius of the largest circle needed around a triangle of the cloth at rest, m².
     span: f32,
+    /// Length of the longest edge at rest, m.
+    longest: f32,
     near: Near,
     patch: Patch,
     /// 1 for slots that touched in this substep.
@@ -85,6 +94,9 @@ const CALM: f32 = 0.1;
 /// Cloth with a particle deeper inside a solid than that many mean edges is not where it can be: it was put there, or a solid over it.
 const DEEP: f32 = 1.0;
 
+/// What the longest edge may be stretched for that to hold.
+const MOST_STRETCH: f32 = 1.5;
+
 /// What a triangle may sag into a ball or a capsule for particles alone to meet it, in mean edges.
 const MOST_SAG: f32 = 1.0 / 16.0;
 
@@ -96,7 +108,8 @@ impl Contacts {
 
     /// Of a cloth of `fabric` over `topology`; no colliders.
     pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        Self { offset: Self::offset_for(fabric), edge: mean_edge(topology), span: span(topology), ..Self::default() }
+        let (edge, longest) = (mean_edge(topology), rest_lengths(topology).fold(0.0, f32::max));
+        Self { offset: Self::offset_for(fabric), edge, span: span(topology), longest, ..Self::default() }
     }
 
     /// How far a triangle reaches into `shape` between its corners, if they are on it and that is too little to be seen: then
@@ -109,6 +122,11 @@ impl Contacts {
                 Some(self.span / (2.0 * radius)).filter(|sag| *sag <= MOST_SAG * self.edge)
             }
         }
+    }
+
+    /// Distance kept between a particle and the surface of `shape`, m.
+    fn margin(&self, shape: &Shape) -> f32 {
+        self.offset + self.sag(shape).unwrap_or(0.0)
     }
 
     /// The least number of substeps of a tick in which no collider near the particles moves farther than a quarter of an edge in
@@ -135,21 +153,24 @@ impl Contacts {
     pub fn touches(&self, point: Vec3) -> bool {
         self.colliders.iter().any(|collider| {
             let local = collider.motion.to.inverse_point(point);
-            let distance = self.offset + self.sag(&collider.shape).unwrap_or(0.0);
-            collider.shape.distance_and_normal(local).0 < 1.1 * distance
+            collider.shape.distance_and_normal(local).0 < 1.1 * self.margin(&collider.shape)
         })
     }
 
     /// Replaces the colliders of this tick, keeping the allocation.
     pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
+        self.touches.clear();
         self.colliders.clear();
         self.colliders.extend(colliders);
     }
 }
 
 fn mean_edge(topology: &Topology) -> f32 {
-    let lengths = topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]));
-    lengths.sum::<f32>() / topology.edges.len().max(1) as f32
+    rest_lengths(topology).sum::<f32>() / topology.edges.len().max(1) as f32
+}
+
+fn rest_lengths(topology: &Topology) -> impl Iterator<Item = f32> {
+    topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]))
 }
 
 /// Of the smallest circle around each triangle at rest the largest square of the radius, m².
@@ -172,6 +193,10 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     if contacts.colliders.is_empty() {
         return;
     }
+    if sub.start <= 0.0 {
+        contacts.touches.clear();
+    }
+    contacts.touches.resize(contacts.colliders.len(), Touch::default());
     let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
     let mut near = std::mem::take(&mut contacts.near);
     let mut patch = std::mem::take(&mut contacts.patch);
@@ -185,13 +210,15 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         let poses =
             if motion.from == motion.to { [motion.to; 2] } else { [sub.start, sub.end].map(|time| motion.at(time)) };
         let sag = contacts.sag(shape);
-        let is_sharp = sag.is_none();
         let margin = contacts.offset + sag.unwrap_or(0.0);
         if near.is_far(shape, poses, margin)
             || near.is_clear((topology, particles), which, shape, poses, [margin, edge])
         {
             continue;
         }
+        let is_sharp = sag.is_none_or(|sag| {
+            sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
+        });
         let answer = Answer::new(collider, margin, sub.h);
         let mut found;
         if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
@@ -207,11 +234,13 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
             if is_sharp && gap < margin {
                 let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
                 let also = patch.touch((particles, &mut touched), part, shape, poses, &answer, sub.h);
-                found.touching += also.touching;
+                found.touch.touching += also.touch.touching;
+                contacts.touches[which].add(&also.touch);
                 found.deepest = found.deepest.max(also.deepest);
             }
         }
-        contacts.touching += found.touching;
+        contacts.touches[which].add(&found.touch);
+        contacts.touching += found.touch.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
         buried = buried.max(found.buried);
     }

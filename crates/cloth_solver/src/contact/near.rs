@@ -42,6 +42,8 @@ pub(super) struct Part {
     pub longest: f32,
     /// Where the collider was when the lists were made; `None` if there are none.
     made: Option<Pose>,
+    /// Whether there are triangles and edges in them.
+    is_sharp: bool,
     /// How far the collider may move from there, m.
     room: f32,
     /// Its shape.
@@ -63,9 +65,7 @@ pub(super) struct Near {
     moved: Option<f32>,
     /// 1 for slots that touched a collider in the last substep, 0 for the others.
     touched: Vec<f32>,
-    /// Corners of the box that holds the particles, m.
-    bounds: Option<[Vec3; 2]>,
-    /// Of the box that holds them before and after the substep, m.
+    /// Corners of the box that holds the particles before and after the substep, m.
     swept: [Vec3; 2],
     /// What tells one state of the topology from another: triangles, edges, slots in use.
     state: [usize; 3],
@@ -106,10 +106,10 @@ impl Near {
     /// Begins a substep.
     pub fn advance(&mut self, particles: &Particles, colliders: usize) {
         self.parts.resize_with(colliders, Part::default);
-        let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
-        let [low_before, high_before] = self.bounds.unwrap_or([low, high]);
-        self.swept = [low.min(low_before), high.max(high_before)];
-        self.bounds = Some([low, high]);
+        // Not where the last substep would have ended: contact has moved what touched.
+        let [before, now] =
+            [&particles.previous, &particles.position].map(|x| dispatch!(*LEVEL, simd => bounds(simd, x)));
+        self.swept = [before.0.min(now.0), before.1.max(now.1)];
         self.strayed = None;
         self.moved = None;
     }
@@ -218,11 +218,20 @@ impl Near {
     }
 
     /// Length of the longest edge of the cloth, m, at most.
-    pub fn longest(&mut self, (topology, particles): (&Topology, &Particles), edge: f32) -> f32 {
+    pub fn longest(&mut self, of: (&Topology, &Particles), edge: f32) -> f32 {
+        self.longest_at_anchor(of, edge) + 2.0 * self.room
+    }
+
+    fn longest_at_anchor(&mut self, (topology, particles): (&Topology, &Particles), edge: f32) -> f32 {
         self.strayed(topology, particles, edge);
         let length = |edge: &[u32; 2]| self.anchor.get(edge[0] as usize).distance(self.anchor.get(edge[1] as usize));
         let find = || topology.edges.iter().map(length).fold(0.0, f32::max);
-        *self.longest.get_or_insert_with(find) + 2.0 * self.room
+        *self.longest.get_or_insert_with(find)
+    }
+
+    /// Whether an edge may be longer in this substep than `length`, m.
+    pub fn is_stretched(&mut self, of: (&Topology, &Particles), edge: f32, length: f32) -> bool {
+        self.longest_at_anchor(of, edge) + 2.0 * self.moved(of.1, edge) > length
     }
 
     /// The part near the collider number `which` of `shape`, which moves over the substep as `poses` say. Of a shape that
@@ -240,12 +249,14 @@ impl Near {
         let part = &self.parts[which];
         let wanted = SUBSTEPS * travel(shape, poses[0], poses[1]);
         let is_lean = part.room <= TOO_MUCH * wanted.max(SKIN * edge);
+        let is_lean = is_lean && part.is_sharp == is_sharp;
         let is_good = |made: Pose| is_lean && poses.iter().all(|pose| travel(shape, made, *pose) <= part.room);
         if !part.made.is_some_and(is_good) {
             let longest = if is_sharp { self.longest((topology, particles), edge) } else { 0.0 };
             let Self { anchor, room, parts, local, marks, number, .. } = self;
             let part = &mut parts[which];
             part.room = wanted;
+            part.is_sharp = is_sharp;
             part.made = Some(poses[1]);
             part.longest = longest;
             let reach = part.room + *room + margin;

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::near::Part;
 use super::respond::{Answer, Eight, Found, distance_and_normal, meet};
-use super::{Shape, features};
+use super::{Shape, Touch, features};
 use crate::batch::gather3;
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
@@ -56,6 +56,8 @@ pub(super) struct Patch {
     buried: f32,
     /// The largest push of the last pass, m.
     pub pushed: f32,
+    /// How far the fastest that came from outside would have moved into the surface in a whole substep, m.
+    pub approach: f32,
     /// How many triangles and edges were pushed.
     pub pushes: u32,
 }
@@ -83,8 +85,11 @@ impl Patch {
             self.find_planes(simd, shape, answer.margin);
         });
         features::meet(self, part, shape, answer);
-        dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
-        Found { touching: self.pushes, deepest: self.deepest, ..Found::default() }
+        if let Shape::Convex(hull) = shape {
+            features::hold_back(self, part, hull, answer.margin);
+        }
+        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, poses, h));
+        Found { touch: Touch { touching: self.pushes, ..touch }, deepest: self.deepest, ..Found::default() }
     }
 
     /// Lets `part` of the cloth meet a collider that moves from the first of `poses` to the second.
@@ -109,9 +114,8 @@ impl Patch {
         } else {
             self.advance(part, shape, answer, farthest, step);
         }
-        dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
-        let touching = self.touched.iter().map(|touched| u32::from(*touched)).sum();
-        Found { touching, deepest: self.deepest, buried: self.buried, nearest: f32::NEG_INFINITY }
+        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, poses, h));
+        Found { touch, deepest: self.deepest, buried: self.buried, nearest: f32::NEG_INFINITY }
     }
 
     /// Takes the substep in stages.
@@ -140,6 +144,9 @@ impl Patch {
             if self.pushed <= answer.margin {
                 break;
             }
+        }
+        if let Shape::Convex(hull) = shape {
+            features::hold_back(self, part, hull, answer.margin);
         }
     }
 
@@ -192,7 +199,7 @@ impl Patch {
             }
         }
         self.shift.fill(Vec3::ZERO);
-        (self.deepest, self.buried, self.pushes) = (0.0, 0.0, 0);
+        (self.deepest, self.buried, self.approach, self.pushes) = (0.0, 0.0, 0.0, 0);
         self.height.resize(slots, 0.0);
         self.inverse_mass.resize(slots, 0.0);
         self.touched.clear();
@@ -226,7 +233,7 @@ impl Patch {
     #[inline(always)]
     fn meet_particles<S: Simd>(&mut self, simd: S, shape: &Shape, answer: &Answer) {
         let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
-        let (mut deepest, mut buried) = (zero, zero);
+        let (mut deepest, mut buried, mut approach) = (zero, zero, zero);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
             let free = load(simd, &self.inverse_mass, i).simd_gt(zero);
@@ -245,6 +252,7 @@ impl Patch {
             met.slip.store(&mut self.slip, i);
             deepest = deepest.max(met.depth);
             buried = buried.max(met.buried);
+            approach = approach.max(met.approach);
             let mut hit = met.hit.to_bitmask();
             while hit != 0 {
                 self.touched[i + hit.trailing_zeros() as usize] = true;
@@ -253,18 +261,21 @@ impl Patch {
         }
         self.deepest = self.deepest.max(deepest.reduce_max());
         self.buried = self.buried.max(buried.reduce_max());
+        self.approach = self.approach.max(approach.reduce_max());
     }
 
-    /// Puts back what touched.
+    /// Puts back what touched. Tells what that gives to the collider, which moves from the first of `poses` to the second.
     #[inline(always)]
     fn scatter<S: Simd>(
         &self,
         simd: S,
         (particles, touched): (&mut Particles, &mut [f32]),
         slots: &[u32],
-        [from, to]: [Frame; 2],
+        poses: [Pose; 2],
         h: f32,
-    ) {
+    ) -> Touch {
+        let [from, to] = poses.map(Frame::new);
+        let mut touch = Touch { speed: self.approach / h, ..Touch::default() };
         let per_step = splat(simd, 1.0 / h);
         for (group, slots) in slots.chunks(LANES).enumerate() {
             let i = group * LANES;
@@ -280,11 +291,17 @@ impl Patch {
             for (lane, slot) in slots.iter().enumerate().filter(|(lane, _)| self.touched[i + lane]) {
                 let at = |v: [[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
                 let slot = *slot as usize;
-                particles.position.set(slot, particles.position.get(slot) + at(shift));
+                let place = particles.position.get(slot);
+                let given = (particles.velocity.get(slot) - at(velocity)) * particles.mass[slot];
+                touch.touching += 1;
+                touch.impulse += given;
+                touch.moment += (place - to.origin).cross(given);
+                particles.position.set(slot, place + at(shift));
                 particles.velocity.set(slot, at(velocity));
                 touched[slot] = 1.0;
             }
         }
+        touch
     }
 }
 

@@ -4,14 +4,14 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::{Quat, Vec3};
 
-use super::{Collider, DEPENETRATION_SPEED, Shape};
+use super::{Collider, DEPENETRATION_SPEED, Shape, Touch};
 use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat, store};
 use crate::{Particles, Pose};
 
 /// What one collider met in one substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
-    pub touching: u32,
+    pub touch: Touch,
     pub deepest: f32,
     /// How deep in the solid the deepest particle was when the substep began, m.
     pub buried: f32,
@@ -71,6 +71,8 @@ pub(super) struct Met<S: Simd> {
     pub depth: f32x8<S>,
     /// How deep in the solid they were when the substep began, m; 0 if outside.
     pub buried: f32x8<S>,
+    /// How far those that were outside would have moved into the surface in a whole substep, m; 0 of the others.
+    pub approach: f32x8<S>,
 }
 
 /// Puts particles that are nearer than the distance kept back to the surface where they came through it, and takes their velocity
@@ -121,6 +123,7 @@ pub(super) fn meet<S: Simd>(
         hit,
         depth: hit.select(depth, zero),
         buried: hit.select((-distance_before).max(zero), zero),
+        approach: (hit & !buried).select(approach, zero),
     }
 }
 
@@ -159,16 +162,19 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
     answer: &Answer,
     h: f32,
 ) -> Found {
-    let Particles { position, previous, velocity, inverse_mass, .. } = particles;
+    let Particles { position, previous, velocity, mass, inverse_mass, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
     let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
+    let still = Vec3x8 { x: zero, y: zero, z: zero };
+    let (mut impulse, mut moment, mut speed) = (still, still, zero);
     let mut found = Found::default();
     let (mut nearest, mut deepest, mut buried) = (splat(simd, f32::INFINITY), zero, zero);
     for i in (0..inverse_mass.len() / LANES).map(|group| group * LANES) {
         let x = Vec3x8::load(simd, position, i);
         let free = load(simd, inverse_mass, i).simd_gt(zero);
-        let now = turned_back::<S, PARALLEL>(simd, &to, x - Vec3x8::splat(simd, to.origin));
+        let centred = x - Vec3x8::splat(simd, to.origin);
+        let now = turned_back::<S, PARALLEL>(simd, &to, centred);
         let (distance, normal) = distance_and_normal(simd, shape, now, margin, free);
         nearest = nearest.min(distance);
         let wanted = free & distance.simd_lt(margin);
@@ -189,15 +195,21 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
             let at = now + met.shift;
             left = left + (to.point(simd, at) - from.point(simd, at));
         }
-        select(met.hit, left * per_step, v).store(velocity, i);
+        let left = left * per_step;
+        select(met.hit, left, v).store(velocity, i);
+        let given = select(met.hit, (v - left) * load(simd, mass, i), still);
+        (impulse, moment) = (impulse + given, moment + centred.cross(given));
+        speed = speed.max(met.approach);
         store(met.hit.select(splat(simd, 1.0), load(simd, touched, i)), touched, i);
-        found.touching += met.hit.to_bitmask().count_ones();
+        found.touch.touching += met.hit.to_bitmask().count_ones();
         deepest = deepest.max(met.depth);
         buried = buried.max(met.buried);
     }
     found.nearest = nearest.reduce_min();
     found.deepest = deepest.reduce_max();
     found.buried = buried.reduce_max();
+    (found.touch.impulse, found.touch.moment) = (sum(impulse), sum(moment));
+    found.touch.speed = speed.reduce_max() / h;
     found
 }
 
@@ -211,6 +223,12 @@ fn turned<S: Simd, const PARALLEL: bool>(simd: S, frame: &Frame, v: Vec3x8<S>) -
 #[inline(always)]
 fn turned_back<S: Simd, const PARALLEL: bool>(simd: S, frame: &Frame, v: Vec3x8<S>) -> Vec3x8<S> {
     if PARALLEL { v } else { frame.inverse_direction(simd, v) }
+}
+
+/// The sum of eight vectors, in the same order on every instruction set.
+#[inline(always)]
+fn sum<S: Simd>(v: Vec3x8<S>) -> Vec3 {
+    Vec3::from_array([v.x, v.y, v.z].map(|axis| <[f32; LANES]>::from(axis).iter().sum()))
 }
 
 /// Signed distance and outward normal in the shape's frame where `wanted` and the distance is less than `margin`; see

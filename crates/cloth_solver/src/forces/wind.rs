@@ -1,5 +1,6 @@
 //! The motion of the air around one cloth: a sum of fields.
 
+use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
@@ -8,7 +9,7 @@ use super::fan::{Fan, Jet};
 use super::gust::{Eddies, GustyWind};
 use super::zone::{Placed, WindZone};
 use crate::contact::Collider;
-use crate::lanes::{Frame, LANES, LEVEL, Vec3x8};
+use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, splat};
 use crate::{Particles, Pose, Soa3, Topology};
 
 /// Velocity of the air around one cloth in one tick, in the cloth's frame: the sum of a wind that is the same everywhere,
@@ -59,6 +60,15 @@ impl WindField {
             let found = self.at_eight(simd, Vec3x8::splat(simd, point));
             Vec3::new(found.x[0], found.y[0], found.z[0])
         })
+    }
+
+    /// Whether the air is slower than `limit`, m/s, at every one of these points.
+    pub fn is_below(&self, limit: f32, points: &Soa3) -> bool {
+        let limit = limit * limit;
+        dispatch!(*LEVEL, simd => (0..points.len() / LANES).map(|group| group * LANES).all(|i| {
+            let air = self.at_eight(simd, Vec3x8::load(simd, points, i));
+            air.dot(air).simd_lt(splat(simd, limit)).all_true()
+        }))
     }
 
     /// Finds the velocity of the air at every particle, for [`Air::blow`](super::Air::blow). Once a tick.

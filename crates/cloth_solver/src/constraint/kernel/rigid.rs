@@ -15,6 +15,8 @@ type Sums = [f64; 16];
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::constraint) struct Body {
     sums: Sums,
+    /// What [`note`] found.
+    noted: Sums,
     centre: DVec3,
     drift: DVec3,
     spin: DVec3,
@@ -67,7 +69,7 @@ impl Body {
     fn new(sums: Sums, held: (f64, DVec3, DVec3)) -> Self {
         let (pins, drift, spin) = held;
         if pins > 0.0 {
-            return Self { sums, centre: DVec3::ZERO, drift: drift / pins, spin: spin / pins, held };
+            return Self { sums, drift: drift / pins, spin: spin / pins, held, ..Self::default() };
         }
         let mass = sums[0];
         if mass <= 0.0 {
@@ -88,7 +90,7 @@ impl Body {
         // Particles on a line resist no rotation about it.
         let singular = inertia.determinant() <= 1e-9 * size * size * size;
         let spin = if singular { DVec3::ZERO } else { inertia.inverse() * angular };
-        Self { sums, centre: c, drift, spin, held }
+        Self { sums, centre: c, drift, spin, held, ..Self::default() }
     }
 }
 
@@ -187,19 +189,21 @@ pub(in crate::constraint) fn note(particles: &Particles, pieces: Option<&Pieces>
 pub(in crate::constraint) fn keep(
     particles: &mut Particles,
     pieces: Option<&Pieces>,
-    held: &[u32],
-    bodies: &mut Vec<Body>,
+    held: impl Iterator<Item = u32>,
+    bodies: &mut [Body],
 ) {
-    let before: Vec<Sums> = bodies.iter().map(|body| body.sums).collect();
-    note(particles, pieces, bodies);
-    for (body, before) in bodies.iter_mut().zip(before) {
+    for body in bodies.iter_mut() {
+        body.noted = std::mem::take(&mut body.sums);
+    }
+    add_up(&particles.inverse_mass, &particles.position, &particles.moved, pieces, bodies);
+    for body in bodies.iter_mut() {
         for k in 10..16 {
-            body.sums[k] = before[k] - body.sums[k];
+            body.sums[k] = body.noted[k] - body.sums[k];
         }
         *body = Body::new(body.sums, body.held);
     }
     for particle in held {
-        let piece = pieces.map_or(0, |pieces| pieces.of_slot[*particle as usize] as usize);
+        let piece = pieces.map_or(0, |pieces| pieces.of_slot[particle as usize] as usize);
         if let Some(body) = bodies.get_mut(piece) {
             *body = Body::default();
         }

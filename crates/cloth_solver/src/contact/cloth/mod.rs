@@ -1,0 +1,190 @@
+//! Cloth against cloth: no vertex passes through a triangle and no edge through an edge, at any speed.
+//!
+//! 1. **Candidates**: the pairs of features that may come within the distance kept while every particle
+//!    stays near the path that its velocity predicts. Looked for again once one has left it, which is once in a tick or less.
+//! 2. **Response**, in each substep: the velocities that keep the pairs apart, by Gauss–Seidel on accumulated impulses. They act at the
+//!    nearest points where the substep began and along the line between them, so that momentum and angular momentum stay; they
+//!    only take energy. What is nearer than the distance kept is moved apart, and that never becomes velocity.
+//! 3. **Check**: pairs that no plane parts over the whole substep are swept; those that meet get a contact where they do, and what meets
+//!    even then moves nearly as one rigid body in this substep (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002).
+//!
+//! So what begins free of intersections stays free of them, but for what a cut leaves in one place, which is on no side of itself. What begins tangled is untangled: see `tangle`.
+
+mod candidates;
+mod detect;
+mod hierarchy;
+mod nearest;
+mod respond;
+mod solve;
+mod stop;
+mod sweep;
+mod tangle;
+mod zone;
+
+pub(crate) use hierarchy::{Bounds, Hierarchy};
+
+use glam::Vec3A;
+
+use super::Contacts;
+use crate::tick::Substep;
+use crate::{ClothError, Fabric, Particles, Topology};
+use candidates::Pairs;
+use detect::Watch;
+use respond::Response;
+use tangle::Tangle;
+
+/// How a cloth keeps off itself.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component, bevy_reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfContact {
+    /// Distance kept between the middle surfaces of two layers, m; 1e-6..=0.1. `None`, the default, is the thickness of the fabric, and
+    /// at least 1/200 of the mean edge. Between neighbours in the weave never more than 0.9 of their distance at rest.
+    pub distance: Option<f32>,
+    /// Coulomb friction of the cloth on itself, dimensionless; 0..=10. `None`, the default, is that of the fabric.
+    pub friction: Option<f32>,
+    /// How fast layers that are nearer than `distance` are moved apart: the rate at which what is missing fades, 1/s; 0..=1000, default
+    /// 50. Never faster than [`DEPENETRATION_SPEED`](super::DEPENETRATION_SPEED).
+    pub rate: f32,
+    /// Most pairs of features that are followed, for each particle; 1..=1000, default 64. A cloth crumpled so that there are more is
+    /// no longer kept from passing through itself everywhere, and [`SelfContacts::is_bounded`] says so.
+    pub budget: u32,
+}
+
+impl Default for SelfContact {
+    fn default() -> Self {
+        Self { distance: None, friction: None, rate: 50.0, budget: 64 }
+    }
+}
+
+impl SelfContact {
+    /// `Ok` if every number is within its range.
+    pub fn validate(&self) -> Result<(), ClothError> {
+        if let Some(distance) = self.distance {
+            ClothError::check("SelfContact::distance", distance, 1e-6..=0.1, "1e-6..=0.1 m")?;
+        }
+        if let Some(friction) = self.friction {
+            ClothError::check("SelfContact::friction", friction, 0.0..=10.0, "0..=10")?;
+        }
+        ClothError::check("SelfContact::rate", self.rate, 0.0..=1000.0, "0..=1000 1/s")?;
+        ClothError::check("SelfContact::budget", self.budget as f32, 1.0..=1000.0, "1..=1000")
+    }
+}
+
+/// The numbers of [`SelfContact`] as they are for one cloth.
+#[derive(Clone, Copy, Debug)]
+struct Settings {
+    distance: f32,
+    friction: f32,
+    rate: f32,
+    /// Most pairs.
+    most: usize,
+    /// Mean edge at rest, m.
+    edge: f32,
+}
+
+/// What contact of a cloth with itself needs to know of it, and what it found.
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[derive(Clone, Debug)]
+pub struct SelfContacts {
+    settings: Settings,
+    watch: Watch,
+    pairs: Pairs,
+    response: Response,
+    tangle: Tangle,
+}
+
+impl SelfContacts {
+    /// Of a cloth of `fabric` over `topology`.
+    ///
+    /// # Errors
+    /// A setting out of its range.
+    pub fn new(topology: &Topology, fabric: &Fabric, settings: &SelfContact) -> Result<Self, ClothError> {
+        settings.validate()?;
+        let edge = super::mean_edge(topology);
+        let settings = Settings {
+            distance: settings.distance.unwrap_or(fabric.thickness.max(edge / 200.0)),
+            friction: settings.friction.unwrap_or(fabric.friction),
+            rate: settings.rate,
+            most: settings.budget as usize * topology.particle_count(),
+            edge,
+        };
+        Ok(Self {
+            settings,
+            watch: Watch::new(topology, &settings),
+            pairs: Pairs::new(topology),
+            response: Response::new(topology),
+            tangle: Tangle::default(),
+        })
+    }
+
+    /// Updates it after a change of the topology, which is `now`.
+    pub fn follow(&mut self, now: &Topology) {
+        self.watch = Watch::new(now, &self.settings);
+        self.pairs = Pairs::new(now);
+        self.response = Response::new(now);
+        self.tangle = Tangle::default();
+    }
+
+    /// Distance kept between two layers, m.
+    pub fn distance(&self) -> f32 {
+        self.settings.distance
+    }
+
+    /// Pairs of features that press on each other, in the last substep.
+    pub fn touching(&self) -> u32 {
+        self.response.touching
+    }
+
+    /// Pairs of features that may come near each other before they are looked for again.
+    pub fn candidates(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Edges that pass through a triangle, when they were last looked for: of a cloth that began tangled. 0 once it is free.
+    pub fn tangled(&self) -> usize {
+        self.tangle.passages.len()
+    }
+
+    /// Whether there were more pairs than [`SelfContact::budget`] allows when they were last looked for.
+    pub fn is_bounded(&self) -> bool {
+        self.pairs.is_bounded
+    }
+
+    /// How often candidates have been looked for so far.
+    pub fn searches(&self) -> u32 {
+        self.watch.searches
+    }
+
+    /// Substeps so far in which some particles had to move as a rigid body.
+    pub fn rigid_substeps(&self) -> u32 {
+        self.response.rigid
+    }
+}
+
+/// One substep's worth of contact of a cloth with itself; after [`super::collide`].
+pub fn collide_self(
+    topology: &Topology,
+    particles: &mut Particles,
+    contacts: &Contacts,
+    own: &mut SelfContacts,
+    sub: &Substep,
+) {
+    if sub.start <= 0.0 {
+        own.begin_tick(topology, particles);
+    }
+    own.response.touching = 0;
+    own.watch.advance(sub.h);
+    if own.watch.has_been_left(&particles.position) {
+        own.detect(topology, particles, contacts, sub, false);
+    }
+    if !own.pairs.is_empty() || own.tangled() > 0 {
+        own.respond(topology, particles, contacts, sub);
+    }
+}
+
+/// The four entries that belong to a pair.
+#[inline(always)]
+fn four(all: &[Vec3A], ids: &[u32; 4]) -> [Vec3A; 4] {
+    ids.map(|id| all[id as usize])
+}

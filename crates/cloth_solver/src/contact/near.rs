@@ -229,9 +229,9 @@ impl Near {
         *self.longest.get_or_insert_with(find)
     }
 
-    /// Whether an edge may be longer in this substep than `length`, m.
+    /// Whether an edge was longer than `length`, m, when the lists were made.
     pub fn is_stretched(&mut self, of: (&Topology, &Particles), edge: f32, length: f32) -> bool {
-        self.longest_at_anchor(of, edge) + 2.0 * self.moved(of.1, edge) > length
+        self.longest_at_anchor(of, edge) > length
     }
 
     /// The part near the collider number `which` of `shape`, which moves over the substep as `poses` say. Of a shape that

@@ -30,6 +30,9 @@ const OBLIQUE: f32 = 0.5;
 /// Rounds in which what would pass through a solid is held back, at most: each holds back what the last one let in.
 const MOST_ZONES: u32 = 16;
 
+/// The part of a round solid, about its centre or axis, that nothing may pass, in its radius.
+const CORE: f32 = 0.5;
+
 /// What a plane may lack of the distance kept, as a part of it, and be beyond: rounding.
 const BEYOND: f32 = 0.9;
 
@@ -100,14 +103,29 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
 
 /// Lets what passes through the solid, and did not when the stage began, go with the solid through this stage as one rigid body
 /// (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002): passes over contacts that pull at each other need not agree.
-pub(super) fn hold_back(patch: &mut Patch, part: &Part, hull: &ConvexHull, margin: f32) {
+pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f32) {
+    let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
+    let core = CORE * shape.feature_radius();
     for _ in 0..MOST_ZONES {
         let mut holds = false;
         for triangle in &part.triangles {
-            holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), hull, margin);
+            let points = || among(triangle.near).iter().map(|which| part.points[*which as usize]);
+            let passes = |corners: [Vec3; 3]| match shape {
+                Shape::Convex(hull) => is_cut(hull, corners),
+                _ => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
+            };
+            holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), passes, margin);
         }
         for edge in &part.edges {
-            holds |= hold_back_one(patch, edge.corners.map(|i| i as usize), hull, margin);
+            let axes = || among(edge.near).iter().map(|which| part.segments[*which as usize]);
+            let passes = |ends: [Vec3; 2]| match shape {
+                Shape::Convex(hull) => is_cut(hull, ends),
+                _ => axes().any(|axis| {
+                    let [s, t] = of_segments(ends, axis);
+                    ends[0].lerp(ends[1], s).distance(axis[0].lerp(axis[1], t)) < core
+                }),
+            };
+            holds |= hold_back_one(patch, edge.corners.map(|i| i as usize), passes, margin);
         }
         if !holds {
             break;
@@ -116,9 +134,14 @@ pub(super) fn hold_back(patch: &mut Patch, part: &Part, hull: &ConvexHull, margi
 }
 
 /// [`hold_back`] of one triangle or edge; `true` if it had to be.
-fn hold_back_one<const N: usize>(patch: &mut Patch, corners: [usize; N], hull: &ConvexHull, margin: f32) -> bool {
+fn hold_back_one<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    passes: impl Fn([Vec3; N]) -> bool,
+    margin: f32,
+) -> bool {
     let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
-    if is_beyond(patch, corners, margin) || !is_cut(hull, now) || is_cut(hull, before) {
+    if is_beyond(patch, corners, margin) || !passes(now) || passes(before) {
         return false;
     }
     let mut holds = false;

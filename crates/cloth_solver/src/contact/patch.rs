@@ -85,9 +85,7 @@ impl Patch {
             self.find_planes(simd, shape, answer.margin);
         });
         features::meet(self, part, shape, answer);
-        if let Shape::Convex(hull) = shape {
-            features::hold_back(self, part, hull, answer.margin);
-        }
+        features::hold_back(self, part, shape, answer.margin);
         let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, poses, h));
         Found { touch: Touch { touching: self.pushes, ..touch }, deepest: self.deepest, ..Found::default() }
     }
@@ -145,9 +143,7 @@ impl Patch {
                 break;
             }
         }
-        if let Shape::Convex(hull) = shape {
-            features::hold_back(self, part, hull, answer.margin);
-        }
+        features::hold_back(self, part, shape, answer.margin);
     }
 
     /// Loads the particles; tells how far any moves, and how far the nearest is away where it ends.

@@ -10,6 +10,7 @@ use cloth_solver::contact::{self, Contacts};
 use cloth_solver::method;
 
 use crate::clock::{ClothClock, RunsInFixedLoop};
+use crate::cloth::ClothTopology;
 use crate::prepare::StepPlan;
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
 use crate::settings::Grabs;
@@ -160,10 +161,12 @@ pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut St
     }
 }
 
-pub(crate) fn collide(mut cloths: Query<(&mut Particles, &mut Contacts, &StepPlan), Without<ClothAsleep>>) {
-    for (mut particles, mut contacts, plan) in &mut cloths {
+pub(crate) fn collide(
+    mut cloths: Query<(&ClothTopology, &mut Particles, &mut Contacts, &StepPlan), Without<ClothAsleep>>,
+) {
+    for (topology, mut particles, mut contacts, plan) in &mut cloths {
         if let Some(sub) = plan.substep.filter(|_| !contacts.colliders.is_empty()) {
-            contact::collide(&mut particles, &mut contacts, &sub);
+            contact::collide(topology, &mut particles, &mut contacts, &sub);
         }
     }
 }

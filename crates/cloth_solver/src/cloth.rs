@@ -176,6 +176,6 @@ impl Cloth {
     /// Takes the substep that was tried, and keeps off solids.
     pub(crate) fn accept(&mut self, sub: &Substep) {
         crate::method::accept(&mut self.particles, &mut self.constraints, sub);
-        crate::contact::collide(&mut self.particles, &mut self.contacts, sub);
+        crate::contact::collide(&self.topology, &mut self.particles, &mut self.contacts, sub);
     }
 }

@@ -126,14 +126,23 @@ impl Frame {
     }
 
     #[inline(always)]
-    pub fn inverse_point<S: Simd>(&self, simd: S, p: Vec3x8<S>) -> Vec3x8<S> {
-        let d = p - Vec3x8::splat(simd, self.origin);
+    pub fn point<S: Simd>(&self, simd: S, p: Vec3x8<S>) -> Vec3x8<S> {
+        self.direction(simd, p) + Vec3x8::splat(simd, self.origin)
+    }
+
+    #[inline(always)]
+    pub fn inverse_direction<S: Simd>(&self, simd: S, v: Vec3x8<S>) -> Vec3x8<S> {
         let m = &self.axes;
         Vec3x8 {
-            x: d.dot(Vec3x8::splat(simd, m.x_axis)),
-            y: d.dot(Vec3x8::splat(simd, m.y_axis)),
-            z: d.dot(Vec3x8::splat(simd, m.z_axis)),
+            x: v.dot(Vec3x8::splat(simd, m.x_axis)),
+            y: v.dot(Vec3x8::splat(simd, m.y_axis)),
+            z: v.dot(Vec3x8::splat(simd, m.z_axis)),
         }
+    }
+
+    #[inline(always)]
+    pub fn inverse_point<S: Simd>(&self, simd: S, p: Vec3x8<S>) -> Vec3x8<S> {
+        self.inverse_direction(simd, p - Vec3x8::splat(simd, self.origin))
     }
 }
 

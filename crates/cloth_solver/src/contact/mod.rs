@@ -1,4 +1,8 @@
-//! Colliders against the particles of a cloth: culling, push-out, friction.
+//! Colliders against the particles, triangles and edges of a cloth: culling, push-out, friction.
+//!
+//! Each collider is met in its own frame: by all particles, and by those triangles and edges that are near its corners, edges or
+//! axis. A plane meets particles alone; so does a ball or a capsule that is round for the cells, at a distance that covers what a
+//! triangle sags between its corners.
 //!
 //! Contact comes last in a substep, after velocities are taken from the change of position: a push out of a collider
 //! then never becomes velocity. What velocity there is into the surface is removed, and Coulomb friction takes from
@@ -6,6 +10,10 @@
 //! creep.
 
 mod cloth;
+mod features;
+mod near;
+mod nearest;
+mod patch;
 mod respond;
 mod shape;
 mod touch;
@@ -22,7 +30,10 @@ use glam::Vec3;
 
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
 use crate::tick::Substep;
-use crate::{Fabric, Motion, Particles, Soa3, Topology};
+use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
+use near::Near;
+use patch::Patch;
+use respond::Answer;
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
 #[derive(Clone, Debug)]
@@ -47,29 +58,75 @@ pub struct Contacts {
     pub colliders: Vec<Collider>,
     /// What each of them met in the last tick.
     pub touches: Vec<Touch>,
-    /// Contacts between a particle and a collider in the last substep.
+    /// Contacts of particles, triangles and edges with colliders in the last substep.
     pub touching: u32,
-    /// How far the deepest particle was below the offset before it was pushed out in the last substep, m.
+    /// How far the deepest point of the cloth was below the offset before it was pushed out in the last substep, m.
     pub deepest: f32,
+    /// Square of the radius of the largest circle needed around a triangle of the cloth at rest, m².
+    span: f32,
+    /// Length of the longest edge at rest, m.
+    longest: f32,
+    near: Near,
+    patch: Patch,
+    /// 1 for slots that touched in this substep.
+    touched: Vec<f32>,
+    /// While the cloth leaves a solid that it was deep inside of.
+    leaving: Option<Leaving>,
 }
 
 /// A particle found inside a collider leaves it at this speed, m/s: one that was spawned inside, or that a collider was
 /// put over. What enters during a substep is put back at once.
 pub const DEPENETRATION_SPEED: f32 = 3.0;
 
-/// How far, in offsets, a particle may be below the surface where a substep begins and count as outside.
-const RESOLVED_SINK: f32 = 0.1;
+/// How cloth leaves a solid that it was put into, or that was put over it.
+#[derive(Clone, Copy, Debug)]
+struct Leaving {
+    /// Kinetic energy at the end of the last substep, J.
+    energy: f64,
+    /// For how long it has gained no more than its weight gives it, s.
+    calm: f32,
+}
+
+/// How long cloth that has left a solid must have gained nothing but what its weight gives it, s, until what it was pressed into on its
+/// way has come apart.
+const CALM: f32 = 0.1;
+
+/// Cloth with a particle deeper inside a solid than that many mean edges is not where it can be: it was put there, or a solid over it.
+const DEEP: f32 = 1.0;
+
+/// What the longest edge may be stretched for that to hold.
+const MOST_STRETCH: f32 = 1.5;
+
+/// What a triangle may sag into a ball or a capsule for particles alone to meet it, in mean edges.
+const MOST_SAG: f32 = 1.0 / 16.0;
 
 impl Contacts {
-    /// The distance to keep from colliders: half the fabric's thickness, and at least an eighth of the mean edge
-    /// length l, so that a triangle at rest on a ball of radius R ≥ 1.4 l does not sink through it (by l²/6R).
-    pub fn offset_for(topology: &Topology, fabric: &Fabric) -> f32 {
-        (fabric.thickness / 2.0).max(mean_edge(topology) / 8.0)
+    /// The distance to keep from colliders: half the fabric's thickness.
+    pub fn offset_for(fabric: &Fabric) -> f32 {
+        fabric.thickness / 2.0
     }
 
     /// Of a cloth of `fabric` over `topology`; no colliders.
     pub fn new(topology: &Topology, fabric: &Fabric) -> Self {
-        Self { offset: Self::offset_for(topology, fabric), edge: mean_edge(topology), ..Self::default() }
+        let (edge, longest) = (mean_edge(topology), rest_lengths(topology).fold(0.0, f32::max));
+        Self { offset: Self::offset_for(fabric), edge, span: span(topology), longest, ..Self::default() }
+    }
+
+    /// How far a triangle reaches into `shape` between its corners, if they are on it and that is too little to be seen: then
+    /// particles stay off by so much more. `None` if the triangles and edges have to be met themselves.
+    fn sag(&self, shape: &Shape) -> Option<f32> {
+        match shape {
+            Shape::HalfSpace => Some(0.0),
+            Shape::Convex(_) => None,
+            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
+                Some(self.span / (2.0 * radius)).filter(|sag| *sag <= MOST_SAG * self.edge)
+            }
+        }
+    }
+
+    /// Distance kept between a particle and the surface of `shape`, m.
+    fn margin(&self, shape: &Shape) -> f32 {
+        self.offset + self.sag(shape).unwrap_or(0.0)
     }
 
     /// The least number of substeps of a tick in which no collider near the particles moves farther than a quarter of an edge in
@@ -96,7 +153,7 @@ impl Contacts {
     pub fn touches(&self, point: Vec3) -> bool {
         self.colliders.iter().any(|collider| {
             let local = collider.motion.to.inverse_point(point);
-            collider.shape.distance_and_normal(local).0 < 1.1 * self.offset
+            collider.shape.distance_and_normal(local).0 < 1.1 * self.margin(&collider.shape)
         })
     }
 
@@ -109,12 +166,29 @@ impl Contacts {
 }
 
 fn mean_edge(topology: &Topology) -> f32 {
-    let lengths = topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]));
-    lengths.sum::<f32>() / topology.edges.len().max(1) as f32
+    rest_lengths(topology).sum::<f32>() / topology.edges.len().max(1) as f32
 }
 
-/// One substep's worth of contact with every collider, in their order.
-pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
+fn rest_lengths(topology: &Topology) -> impl Iterator<Item = f32> {
+    topology.edges.iter().map(|&[a, b]| topology.rest[a as usize].distance(topology.rest[b as usize]))
+}
+
+/// Of the smallest circle around each triangle at rest the largest square of the radius, m².
+fn span(topology: &Topology) -> f32 {
+    let square = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|slot| topology.rest[slot as usize]);
+        let sides = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let longest = sides.into_iter().fold(0.0, f32::max);
+        if 2.0 * longest >= sides.iter().sum() {
+            return 0.25 * longest;
+        }
+        sides.iter().product::<f32>() / (4.0 * (b - a).cross(c - a).length_squared())
+    };
+    topology.triangles.iter().map(square).fold(0.0, f32::max)
+}
+
+/// One substep's worth of contact of a cloth over `topology` with every collider, in their order.
+pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
     (contacts.touching, contacts.deepest) = (0, 0.0);
     if contacts.colliders.is_empty() {
         return;
@@ -123,20 +197,74 @@ pub fn collide(particles: &mut Particles, contacts: &mut Contacts, sub: &Substep
         contacts.touches.clear();
     }
     contacts.touches.resize(contacts.colliders.len(), Touch::default());
-    let (low, high) = dispatch!(*LEVEL, simd => bounds(simd, &particles.position));
-    for (collider, touch) in contacts.colliders.iter().zip(&mut contacts.touches) {
-        let pose = collider.motion.at(sub.end);
-        let reach = collider.shape.bounding_radius() + contacts.offset;
-        let away = pose.position - pose.position.clamp(low, high);
-        if reach.is_finite() && away.length_squared() > reach * reach {
+    let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
+    let mut near = std::mem::take(&mut contacts.near);
+    let mut patch = std::mem::take(&mut contacts.patch);
+    let mut touched = std::mem::take(&mut contacts.touched);
+    touched.resize(particles.slots(), 0.0);
+    let mut buried = 0.0_f32;
+    let edge = contacts.edge;
+    near.advance(particles, contacts.colliders.len());
+    for (which, collider) in contacts.colliders.iter().enumerate() {
+        let (shape, motion) = (&collider.shape, &collider.motion);
+        let poses =
+            if motion.from == motion.to { [motion.to; 2] } else { [sub.start, sub.end].map(|time| motion.at(time)) };
+        let sag = contacts.sag(shape);
+        let margin = contacts.offset + sag.unwrap_or(0.0);
+        if near.is_far(shape, poses, margin)
+            || near.is_clear((topology, particles), which, shape, poses, [margin, edge])
+        {
             continue;
         }
-        let start = collider.motion.at(sub.start);
-        let found =
-            dispatch!(*LEVEL, simd => respond::respond(simd, particles, collider, start, pose, contacts.offset, sub.h));
-        touch.add(&found.touch);
+        let is_sharp = sag.is_none_or(|sag| {
+            sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
+        });
+        let answer = Answer::new(collider, margin, sub.h);
+        let mut found;
+        if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
+            let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
+            found = patch.collide((particles, &mut touched), part, shape, poses, &answer, sub.h);
+        } else {
+            found = dispatch!(*LEVEL, simd => respond::respond(simd, particles, &mut touched, shape, poses, &answer, sub.h));
+            let longest = if is_sharp { near.longest((topology, particles), edge) } else { 0.0 };
+            let gap = found.nearest - longest;
+            if gap > margin {
+                near.note((topology, particles), which, poses[1], [gap, edge]);
+            }
+            if is_sharp && gap < margin {
+                let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
+                let also = patch.touch((particles, &mut touched), part, shape, poses, &answer, sub.h);
+                found.touch.touching += also.touch.touching;
+                contacts.touches[which].add(&also.touch);
+                found.deepest = found.deepest.max(also.deepest);
+            }
+        }
+        contacts.touches[which].add(&found.touch);
         contacts.touching += found.touch.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
+        buried = buried.max(found.buried);
+    }
+    near.take_touched(&mut touched);
+    (contacts.near, contacts.patch, contacts.touched) = (near, patch, touched);
+    let calm = if buried > DEEP * edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
+    contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
+}
+
+impl Leaving {
+    /// Takes from the speed of all particles what they have gained more than their weight gave them in the last `h` s: what is pushed
+    /// out of a solid pushes the rest of the cloth along, through links that know nothing of it, and that is no speed either.
+    /// Tells for how long there was nothing to take, s.
+    fn advance(self, particles: &mut Particles, h: f32) -> f32 {
+        let weight = measure::linear_momentum(particles).dot(particles.acceleration.as_dvec3()) * f64::from(h);
+        let allowed = (self.energy + weight).max(0.0);
+        let now = measure::kinetic_energy(particles);
+        if now <= allowed {
+            return self.calm + h;
+        }
+        let part = (allowed / now).sqrt() as f32;
+        let Soa3 { x, y, z } = &mut particles.velocity;
+        x.iter_mut().chain(y).chain(z).for_each(|v| *v *= part);
+        0.0
     }
 }
 

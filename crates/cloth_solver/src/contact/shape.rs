@@ -101,6 +101,66 @@ impl Shape {
             Self::HalfSpace => f32::INFINITY,
         }
     }
+
+    /// Radius of a ball within, m; infinite for a half-space.
+    pub(crate) fn inner_radius(&self) -> f32 {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Convex(hull) => hull.inner_radius,
+            Self::HalfSpace => f32::INFINITY,
+        }
+    }
+
+    /// Whether `other` is the same shape: cheap where both share one solid.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Convex(a), Self::Convex(b)) if Arc::ptr_eq(a, b) => true,
+            _ => self == other,
+        }
+    }
+
+    /// The points and segments that triangles and edges of a cloth are tested against: what fits between particles.
+    pub(crate) fn features(&self, points: &mut Vec<Vec3>, segments: &mut Vec<[Vec3; 2]>) {
+        match self {
+            Self::Sphere { .. } => points.push(Vec3::ZERO),
+            Self::Capsule { half_length, .. } => {
+                let ends = [Vec3::Y * -half_length, Vec3::Y * *half_length];
+                points.extend(ends);
+                if *half_length > 0.0 {
+                    segments.push(ends);
+                }
+            }
+            Self::Convex(hull) => {
+                points.extend(&hull.corners);
+                segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
+            }
+            Self::HalfSpace => {}
+        }
+    }
+
+    /// How far the surface is from its points and segments, m.
+    pub(crate) fn feature_radius(&self) -> f32 {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Convex(_) | Self::HalfSpace => 0.0,
+        }
+    }
+
+    /// Lowest and highest corner of the box along the axes that holds the shape, m.
+    pub(crate) fn bounds(&self) -> [Vec3; 2] {
+        match self {
+            Self::Sphere { radius } => [Vec3::splat(-radius), Vec3::splat(*radius)],
+            Self::Capsule { radius, half_length } => {
+                let high = Vec3::new(*radius, radius + half_length, *radius);
+                [-high, high]
+            }
+            Self::Convex(hull) => hull
+                .corners
+                .iter()
+                .fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| [low.min(*corner), high.max(*corner)]),
+            Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
+        }
+    }
 }
 
 #[cfg(test)]

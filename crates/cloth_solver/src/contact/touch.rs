@@ -5,13 +5,13 @@ use glam::Vec3;
 /// What one collider met in one tick, in the cloth's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// Most particles that touched it in one substep.
+    /// Most contacts of particles, triangles and edges with it in one substep.
     pub touching: u32,
     /// What the cloth gave to it: minus what it gave to the particles, N·s.
     pub impulse: Vec3,
     /// The moment of that about the origin of the collider's frame, N·m·s.
     pub moment: Vec3,
-    /// The largest speed along the normal at which a particle came against it, m/s.
+    /// The largest speed along the normal at which a point of the cloth came against it, m/s.
     pub speed: f32,
 }
 

@@ -33,9 +33,10 @@ impl Stop {
         let tick = sub.h / (sub.end - sub.start);
         for collider in &contacts.colliders {
             let pose = collider.motion.at(sub.end);
+            let margin = contacts.margin(&collider.shape);
             for &slot in slots {
                 let x = particles.position.get(slot as usize);
-                let reach = 2.0 * contacts.offset + particles.velocity.get(slot as usize).length() * tick;
+                let reach = 2.0 * margin + particles.velocity.get(slot as usize).length() * tick;
                 if (x - pose.position).length() > collider.shape.bounding_radius() + reach {
                     continue;
                 }
@@ -46,7 +47,7 @@ impl Stop {
                 }
                 let normal = pose.rotation * normal;
                 let carried = collider.motion.to.point(local) - collider.motion.from.point(local);
-                let level = normal.dot(x) - (distance - contacts.offset).max(0.0);
+                let level = normal.dot(x) - (distance - margin).max(0.0);
                 all.push(Self { particle: slot, normal: normal.into(), level, rise: carried.dot(normal) / tick });
             }
         }

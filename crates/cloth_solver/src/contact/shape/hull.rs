@@ -29,12 +29,19 @@ pub struct ConvexHull {
     pub edges: Vec<[u32; 2]>,
     /// Radius of the sphere around the origin of the frame that holds all corners, m.
     pub radius: f32,
+    /// Radius of a ball within, about the mean of the corners, m.
+    pub(crate) inner_radius: f32,
+    /// For each edge the directions from it into its two faces, of unit length.
+    pub(crate) into_faces: Vec<[Vec3; 2]>,
 }
 
 impl ConvexHull {
     fn new(planes: Vec<(Vec3, f32)>, corners: Vec<Vec3>, edges: Vec<[u32; 2]>) -> Self {
         let radius = corners.iter().map(|corner| corner.length()).fold(0.0, f32::max);
-        Self { planes, corners, edges, radius }
+        let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
+        let inner_radius = planes.iter().map(|(n, d)| d - n.dot(middle)).fold(f32::INFINITY, f32::min);
+        let into_faces = edges.iter().map(|edge| into_faces(&planes, edge.map(|i| corners[i as usize]))).collect();
+        Self { planes, corners, edges, radius, inner_radius, into_faces }
     }
 
     /// A box of half its size, m. Corner `i` lies at +x, +y, +z where bit 0, 1, 2 of `i` is set.
@@ -115,6 +122,22 @@ impl ConvexHull {
             (height, normal)
         }
     }
+}
+
+/// The directions from an edge into its two faces: the two planes nearest to both of its ends. The way into one is the way below
+/// the other.
+fn into_faces(planes: &[(Vec3, f32)], [a, b]: [Vec3; 2]) -> [Vec3; 2] {
+    let mut nearest = [(f32::INFINITY, Vec3::ZERO); 2];
+    for (n, d) in planes {
+        let off = (n.dot(a) - d).abs() + (n.dot(b) - d).abs();
+        if off < nearest[0].0 {
+            nearest = [(off, *n), nearest[0]];
+        } else if off < nearest[1].0 {
+            nearest[1] = (off, *n);
+        }
+    }
+    let [m, n] = nearest.map(|(_, normal)| normal);
+    [(m * m.dot(n) - n).normalize_or_zero(), (n * m.dot(n) - m).normalize_or_zero()]
 }
 
 /// The planes with unit normals; of those that face the same way only the innermost.

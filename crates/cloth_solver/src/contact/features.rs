@@ -1,0 +1,529 @@
+//! Triangles and edges of a cloth against what of a collider fits between particles: the centre of a ball, the axis of a capsule,
+//! the corners and edges of a convex solid.
+//!
+//! A contact acts at a point of the cloth with weights b of its corners (sum 1) along a normal n. What it lacks of the distance
+//! kept, C, is made up for by `Δx_i = w_i b_i n λ`, `λ = C / Σ w_j b_j²` (Bridson, Fedkiw, Anderson 2002): the point itself moves by C,
+//! and so the velocity of the point is taken into the surface, as that of a particle is.
+//!
+//! Where and along which normal is decided where the cloth came into contact, not where it would have gone to: a particle that bears a
+//! load is drawn in by h² F/m in a substep, and looked at there an edge may seem to slip off sideways.
+
+use glam::Vec3;
+
+use super::near::Part;
+use super::nearest::{of_segments, on_triangle};
+use super::patch::Patch;
+use super::respond::{AT_ONCE, Answer};
+use super::{ConvexHull, Shape};
+
+/// Sine of the angle below which a cloth edge and an edge of a solid are parallel and have no common normal; then particles and
+/// corners meet before they do.
+const PARALLEL: f32 = 1e-3;
+
+/// How far a direction may be outside of the normals of an edge or a corner, sine of the angle: the rounding of places some
+/// decimetres from the origin, over a distance kept of a tenth of a millimetre.
+const CONE: f32 = 2e-3;
+
+/// Cosine of the angle to a triangle's normal beyond which a way off a corner is along the triangle rather than away from it.
+const OBLIQUE: f32 = 0.5;
+
+/// Rounds in which what would pass through a solid is held back, at most: each holds back what the last one let in.
+const MOST_ZONES: u32 = 16;
+
+/// The part of a round solid, about its centre or axis, that nothing may pass, in its radius.
+const CORE: f32 = 0.5;
+
+/// What a plane may lack of the distance kept, as a part of it, and be beyond: rounding.
+const BEYOND: f32 = 0.9;
+
+/// A point of the cloth and one of the collider that are nearest to each other.
+#[derive(Clone, Copy, Debug)]
+struct Pair<const N: usize> {
+    /// Weights of the corners at the point of the cloth.
+    weights: [f32; N],
+    /// The point of the ball's centre, the axis, the corner or the edge.
+    core: Vec3,
+    /// From there to the cloth, of unit length.
+    normal: Vec3,
+    /// How far that is, m.
+    distance: f32,
+}
+
+impl<const N: usize> Pair<N> {
+    /// `None` where the points are one, or the cloth's is one of its particles, which are met elsewhere.
+    fn new(weights: [f32; N], points: [Vec3; N], core: Vec3) -> Option<Self> {
+        let way = blend(weights, points) - core;
+        let distance = way.length();
+        let is_particle = weights.iter().any(|weight| *weight >= 1.0);
+        (distance > f32::MIN_POSITIVE && !is_particle).then(|| Self { weights, core, normal: way / distance, distance })
+    }
+}
+
+/// One pass over the triangles and edges of `part`.
+pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answer) {
+    let margin = answer.margin;
+    let keep = shape.feature_radius() + margin;
+    let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
+    for triangle in &part.triangles {
+        let (corners, near) = (triangle.corners.map(|i| i as usize), among(triangle.near));
+        if is_beyond(patch, corners, margin) {
+            continue;
+        }
+        if let Shape::Convex(hull) = shape {
+            let nearest = |near: &[u32], points, reach| triangle_and_corners(hull, near, points, reach);
+            let inside = |points| {
+                triangle_around_corner(hull, near, points, margin)
+                    .or_else(|| triangle_over_corners(hull, near, points, margin))
+            };
+            touch_solid(patch, corners, near, nearest, inside, (shape, hull), answer);
+        } else {
+            for point in near.iter().map(|which| part.points[*which as usize]) {
+                let nearest = |points, _| triangle_and_point(points, point);
+                touch_round(patch, corners, keep, nearest, shape, answer);
+            }
+        }
+    }
+    for edge in &part.edges {
+        let (ends, near) = (edge.corners.map(|i| i as usize), among(edge.near));
+        if is_beyond(patch, ends, margin) {
+            continue;
+        }
+        if let Shape::Convex(hull) = shape {
+            let nearest = |near: &[u32], points, reach| edge_and_edges(hull, near, points, reach);
+            let inside = |points| edge_over_edges(hull, Some(near), points, margin);
+            touch_solid(patch, ends, near, nearest, inside, (shape, hull), answer);
+        } else {
+            for axis in near.iter().map(|which| part.segments[*which as usize]) {
+                let nearest = |points, _| edge_and_segment(points, axis);
+                touch_round(patch, ends, keep, nearest, shape, answer);
+            }
+        }
+    }
+}
+
+/// Lets what passes through the solid, and did not when the stage began, go with the solid through this stage as one rigid body
+/// (impact zones: Provot 1997; Bridson, Fedkiw, Anderson 2002): passes over contacts that pull at each other need not agree.
+pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f32) {
+    let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
+    let core = CORE * shape.feature_radius();
+    for _ in 0..MOST_ZONES {
+        let mut holds = false;
+        for triangle in &part.triangles {
+            let points = || among(triangle.near).iter().map(|which| part.points[*which as usize]);
+            let passes = |corners: [Vec3; 3]| match shape {
+                Shape::Convex(hull) => is_cut(hull, corners),
+                _ => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
+            };
+            holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), passes, margin);
+        }
+        for edge in &part.edges {
+            let axes = || among(edge.near).iter().map(|which| part.segments[*which as usize]);
+            let passes = |ends: [Vec3; 2]| match shape {
+                Shape::Convex(hull) => is_cut(hull, ends),
+                _ => axes().any(|axis| {
+                    let [s, t] = of_segments(ends, axis);
+                    ends[0].lerp(ends[1], s).distance(axis[0].lerp(axis[1], t)) < core
+                }),
+            };
+            holds |= hold_back_one(patch, edge.corners.map(|i| i as usize), passes, margin);
+        }
+        if !holds {
+            break;
+        }
+    }
+}
+
+/// [`hold_back`] of one triangle or edge; `true` if it had to be.
+fn hold_back_one<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    passes: impl Fn([Vec3; N]) -> bool,
+    margin: f32,
+) -> bool {
+    let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
+    if is_beyond(patch, corners, margin) || !passes(now) || passes(before) {
+        return false;
+    }
+    let mut holds = false;
+    for i in 0..N {
+        let corner = corners[i];
+        if patch.inverse_mass[corner] > 0.0 && now[i] != before[i] {
+            patch.now.set(corner, before[i]);
+            patch.shift.set(corner, patch.shift.get(corner) + before[i] - now[i]);
+            patch.way.set(corner, patch.way.get(corner) - patch.slip.get(corner));
+            patch.slip.set(corner, Vec3::ZERO);
+            patch.touched[corner] = true;
+            holds = true;
+        }
+    }
+    holds
+}
+
+/// Whether all of these are beyond a plane that the whole collider is on the other side of.
+#[inline(always)]
+fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) -> bool {
+    for i in corners {
+        let (normal, height) = (patch.normal.get(i), patch.height[i] + BEYOND * margin);
+        let mut all = true;
+        for j in corners {
+            all &= normal.dot(patch.now.get(j)) >= height;
+        }
+        if all {
+            return true;
+        }
+    }
+    false
+}
+
+/// Meets a solid with corners and edges, of which `near` are met. What was inside from the start, `inside` knows the way out of.
+fn touch_solid<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    near: &[u32],
+    nearest: impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
+    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    (shape, hull): (&Shape, &ConvexHull),
+    answer: &Answer,
+) {
+    let keep = answer.margin;
+    let mut is_outside = false;
+    for one in near.chunks(1) {
+        is_outside |= touch(patch, corners, keep, |points, reach| nearest(one, points, reach), shape, answer);
+    }
+    // In a quiet substep nothing gets in: pushed out here, taut cloth over an edge would never rest.
+    if answer.part >= 1.0 {
+        return;
+    }
+    let now = corners.map(|i| patch.now.get(i));
+    let way_out = if is_outside {
+        if is_cut(hull, now) { inside(now) } else { None }
+    } else {
+        let outside = nearest(near, now, keep).map(|pair| (pair, keep - pair.distance));
+        outside.or_else(|| inside(now))
+    };
+    if let Some((pair, depth)) = way_out.filter(|(_, depth)| *depth > 0.0) {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
+}
+
+/// Meets the centre or the axis of a round solid.
+fn touch_round<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    keep: f32,
+    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    shape: &Shape,
+    answer: &Answer,
+) {
+    if touch(patch, corners, keep, &nearest, shape, answer) || answer.part >= 1.0 {
+        return;
+    }
+    let now = corners.map(|i| patch.now.get(i));
+    let outside = nearest(now, keep).map(|pair| (pair, keep - pair.distance));
+    if let Some((pair, depth)) = outside.filter(|(_, depth)| *depth > 0.0) {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
+}
+
+/// Finds whether and where these come nearer than `keep` to what `nearest` finds next to them within a reach, and answers. `false`
+/// if there was nothing where they began.
+fn touch<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    keep: f32,
+    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    shape: &Shape,
+    answer: &Answer,
+) -> bool {
+    let (before, now) = (corners.map(|i| patch.before.get(i)), corners.map(|i| patch.now.get(i)));
+    let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
+    let depth_at = |pair: &Pair<N>| keep - pair.normal.dot(blend(pair.weights, now) - pair.core);
+    let Some(mut pair) = nearest(before, keep + moved) else { return false };
+    // The plane between them, if they are still on their own sides of it.
+    if now.iter().all(|p| pair.normal.dot(*p - pair.core) >= keep) {
+        return true;
+    }
+    let (high, depth) = ((pair.distance - keep).max(0.0), depth_at(&pair));
+    let time = if depth > 0.0 { high / (high + depth) } else { 1.0 };
+    if high > AT_ONCE * answer.margin || depth <= 0.0 {
+        let then: [Vec3; N] = std::array::from_fn(|i| before[i].lerp(now[i], time));
+        pair = nearest(then, keep).unwrap_or(pair);
+    }
+    let depth = depth_at(&pair);
+    if depth > 0.0 {
+        push(patch, corners, &pair, depth, shape, answer);
+    }
+    true
+}
+
+fn blend<const N: usize>(weights: [f32; N], points: [Vec3; N]) -> Vec3 {
+    (0..N).map(|i| points[i] * weights[i]).sum()
+}
+
+fn triangle_and_point(points: [Vec3; 3], core: Vec3) -> Option<Pair<3>> {
+    Pair::new(on_triangle(core, points), points, core)
+}
+
+fn edge_and_segment(ends: [Vec3; 2], axis: [Vec3; 2]) -> Option<Pair<2>> {
+    let [s, t] = of_segments(ends, axis);
+    Pair::new([1.0 - s, s], ends, axis[0].lerp(axis[1], t))
+}
+
+/// Whether what is no farther than `reach` from the box around `points` may be this segment or corner.
+fn is_near<const N: usize>(points: [Vec3; N], reach: f32, [low, high]: [Vec3; 2]) -> bool {
+    let reach = Vec3::splat(reach);
+    let (least, most) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(least, most), p| (least.min(*p), most.max(*p)));
+    !(high.cmplt(least - reach).any() || low.cmpgt(most + reach).any())
+}
+
+/// The corners of a solid numbered `near`.
+fn corners_of<'a>(hull: &'a ConvexHull, near: &'a [u32]) -> impl Iterator<Item = (usize, &'a Vec3)> {
+    near.iter().map(|which| (*which as usize, &hull.corners[*which as usize]))
+}
+
+/// The edges of a solid numbered `near`, and the directions into their faces.
+fn edges_of<'a>(hull: &'a ConvexHull, near: &'a [u32]) -> impl Iterator<Item = ([Vec3; 2], &'a [Vec3; 2])> {
+    let corners = |edge: [u32; 2]| edge.map(|i| hull.corners[i as usize]);
+    near.iter().map(move |which| (corners(hull.edges[*which as usize]), &hull.into_faces[*which as usize]))
+}
+
+/// The corner of a solid nearest to a triangle that it faces.
+fn triangle_and_corners(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], reach: f32) -> Option<Pair<3>> {
+    let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, reach, [**corner; 2]));
+    let pairs = corners.filter_map(|(which, corner)| {
+        let pair = triangle_and_point(points, *corner)?;
+        let is_inner = pair.weights.iter().all(|weight| *weight > 0.0);
+        (is_inner && faces(hull, which, pair.normal) == Some(1.0)).then_some(pair)
+    });
+    pairs.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// The edge of a solid nearest to one that it faces.
+fn edge_and_edges(hull: &ConvexHull, near: &[u32], ends: [Vec3; 2], reach: f32) -> Option<Pair<2>> {
+    let mut nearest: Option<Pair<2>> = None;
+    for (ridge @ [a, b], into_faces) in edges_of(hull, near) {
+        if !is_near(ends, reach, [a.min(b), a.max(b)]) {
+            continue;
+        }
+        let Some(pair) = edge_and_segment(ends, ridge) else { continue };
+        let faces = into_faces.iter().all(|way| pair.normal.dot(*way) <= CONE);
+        if faces && nearest.is_none_or(|nearest| pair.distance < nearest.distance) {
+            nearest = Some(pair);
+        }
+    }
+    nearest
+}
+
+/// 1 if `normal` is one of a corner, along which no edge of it rises, −1 if the opposite is.
+fn faces(hull: &ConvexHull, corner: usize, normal: Vec3) -> Option<f32> {
+    let place = hull.corners[corner];
+    let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+    for [a, b] in hull.edges.iter().map(|edge| edge.map(|i| i as usize)).filter(|edge| edge.contains(&corner)) {
+        let edge = hull.corners[if a == corner { b } else { a }] - place;
+        let rise = normal.dot(edge) / edge.length();
+        (least, most) = (least.min(rise), most.max(rise));
+    }
+    match (most <= CONE, least >= -CONE) {
+        (true, _) => Some(1.0),
+        (_, true) => Some(-1.0),
+        _ => None,
+    }
+}
+
+/// What a contact with a corner or an edge may be deep, m: less than the inner radius, or it is on the other side of the solid, and
+/// than the way out through a face is long, where particles are met; of what has no particle inside and yet passes through the
+/// solid, no particle is met.
+fn most_depth<const N: usize>(hull: &ConvexHull, points: [Vec3; N], margin: f32) -> f32 {
+    let is_inside = |p: &Vec3| hull.planes.iter().all(|(n, d)| n.dot(*p) < *d);
+    if !points.iter().any(is_inside) && is_cut(hull, points) {
+        return margin + hull.inner_radius;
+    }
+    let faces = hull.planes.iter().map(|(n, d)| d - points.map(|p| n.dot(p)).into_iter().fold(f32::INFINITY, f32::min));
+    margin + faces.fold(hull.inner_radius, f32::min)
+}
+
+/// Whether an edge or a triangle passes through a solid.
+fn is_cut<const N: usize>(hull: &ConvexHull, points: [Vec3; N]) -> bool {
+    let pairs = (0..N).flat_map(|i| (i + 1..N).map(move |j| [i, j]));
+    let edges = hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize]));
+    pairs.map(|pair| pair.map(|i| points[i])).any(|ends| is_segment_cut(hull, ends))
+        || N == 3 && edges.into_iter().any(|edge| is_pierced([points[0], points[1], points[N - 1]], edge))
+}
+
+/// Whether a segment passes through a solid: it is clipped by the planes (Cyrus and Beck 1978).
+fn is_segment_cut(hull: &ConvexHull, [a, b]: [Vec3; 2]) -> bool {
+    let (mut enters, mut leaves) = (0.0_f32, 1.0_f32);
+    for (n, d) in &hull.planes {
+        let (from, to) = (n.dot(a) - d, n.dot(b) - d);
+        if from >= 0.0 && to >= 0.0 {
+            return false;
+        }
+        let time = from / (from - to);
+        if from > 0.0 {
+            enters = enters.max(time);
+        } else if to > 0.0 {
+            leaves = leaves.min(time);
+        }
+    }
+    enters < leaves
+}
+
+/// Whether a segment passes through a triangle.
+fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
+    let across = (b - a).cross(c - a);
+    let [low, high] = [from, to].map(|end| across.dot(end - a));
+    if (low < 0.0) == (high < 0.0) {
+        return false;
+    }
+    let place = from.lerp(to, low / (low - high));
+    [[a, b], [b, c], [c, a]].iter().all(|[u, v]| (*u - place).cross(*v - place).dot(across) > 0.0)
+}
+
+/// The way off the corner of a solid that sticks through a triangle, and how far it is, m.
+fn triangle_over_corners(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+    let edges = [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|i: usize| points[i]));
+    // Where an edge of it crosses one of the solid less deep, that is the way out.
+    let crossed = edges.into_iter().filter_map(|ends| edge_over_edges(hull, None, ends, margin));
+    let most_depth = crossed.map(|(_, depth)| depth).fold(most_depth(hull, points, margin), f32::min);
+    let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
+    let corners = corners_of(hull, near).filter(|(_, corner)| is_near(points, most_depth, [**corner; 2]));
+    let ways = corners.filter_map(|(which, &core)| {
+        let normal = normal * faces(hull, which, normal)?;
+        let weights = on_triangle(core, points);
+        let depth = margin - normal.dot(points[0] - core);
+        let is_through = depth > 0.0 && depth < most_depth && weights.iter().all(|weight| *weight > 0.0);
+        is_through.then_some((Pair { weights, core, normal, distance: margin - depth }, depth))
+    });
+    ways.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The other ends of the edges that meet in a corner.
+fn edges_from(hull: &ConvexHull, corner: usize) -> impl Iterator<Item = Vec3> {
+    let other = move |[a, b]: [usize; 2]| (a == corner).then_some(b).or((b == corner).then_some(a));
+    hull.edges.iter().filter_map(move |edge| other(edge.map(|i| i as usize))).map(|i| hull.corners[i])
+}
+
+/// The way off the corner of a solid of which all edges pass through a triangle, and how far it is, m: from the middle of where they
+/// do to the corner, if that is nearer than their other ends. Near a sharp corner the way out through a face may be shorter, and
+/// leads nowhere: no particle is inside.
+fn triangle_around_corner(hull: &ConvexHull, near: &[u32], points: [Vec3; 3], margin: f32) -> Option<(Pair<3>, f32)> {
+    let across = (points[1] - points[0]).cross(points[2] - points[0]);
+    let area = across.length_squared();
+    let ways = corners_of(hull, near).filter_map(|(which, &core)| {
+        let mut sum = [0.0; 3];
+        let mut around = true;
+        let height = across.dot(core - points[0]);
+        for end in edges_from(hull, which) {
+            let time = height / (height - across.dot(end - points[0]));
+            if !(0.0..0.5).contains(&time) {
+                around = false;
+                break;
+            }
+            let place = core.lerp(end, time);
+            let weight = |i: usize| {
+                let [u, v] = [1, 2].map(|step| points[(i + step) % 3] - place);
+                u.cross(v).dot(across) / area
+            };
+            let weights: [f32; 3] = std::array::from_fn(weight);
+            around &= weights.iter().all(|weight| *weight > 0.0);
+            sum = std::array::from_fn(|i| sum[i] + weights[i]);
+        }
+        let count: f32 = sum.iter().sum();
+        let weights = sum.map(|weight| weight / count);
+        let way = core - blend(weights, points);
+        let distance = way.length();
+        if !around || distance <= f32::MIN_POSITIVE {
+            return None;
+        }
+        // An edge that lies in the triangle passes through it anywhere: then the way is off the triangle's plane.
+        let (off, out) = (across * (height.signum() / area.sqrt()), height.abs() / area.sqrt());
+        let is_oblique = out < OBLIQUE * distance;
+        let (normal, distance) = if is_oblique { (off, out) } else { (way / distance, distance) };
+        Some((Pair { weights, core, normal, distance }, distance + margin))
+    });
+    ways.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The way off that edge of a solid, one of those `near` if given, which this one crosses least deep, and how far it is, m.
+fn edge_over_edges(hull: &ConvexHull, near: Option<&[u32]>, ends: [Vec3; 2], margin: f32) -> Option<(Pair<2>, f32)> {
+    let along = ends[1] - ends[0];
+    let mut most_depth = most_depth(hull, ends, margin);
+    let mut least = None;
+    let count = near.map_or(hull.edges.len(), <[u32]>::len);
+    for which in (0..count).map(|i| near.map_or(i, |near| near[i] as usize)) {
+        let ([a, b], into_faces) = (hull.edges[which].map(|i| hull.corners[i as usize]), hull.into_faces[which]);
+        let (ridge, between) = (b - a, a - ends[0]);
+        let across = along.cross(ridge);
+        let square = across.length_squared();
+        if square <= PARALLEL * PARALLEL * along.length_squared() * ridge.length_squared() {
+            continue;
+        }
+        let (s, t) = (between.cross(ridge).dot(across) / square, between.cross(along).dot(across) / square);
+        if s <= 0.0 || s >= 1.0 || !(0.0..=1.0).contains(&t) {
+            continue;
+        }
+        let normal = across / square.sqrt();
+        let rises = into_faces.map(|way| normal.dot(way));
+        let normal = match (rises.iter().all(|rise| *rise <= CONE), rises.iter().all(|rise| *rise >= -CONE)) {
+            (true, _) => normal,
+            (_, true) => -normal,
+            _ => continue,
+        };
+        let depth = margin + normal.dot(between);
+        if depth > 0.0 && depth < most_depth {
+            most_depth = depth;
+            least =
+                Some((Pair { weights: [1.0 - s, s], core: a + ridge * t, normal, distance: margin - depth }, depth));
+        }
+    }
+    least
+}
+
+/// Answers one contact that is `depth` below the distance kept, as [`super::respond::meet`] answers that of a particle.
+fn push<const N: usize>(
+    patch: &mut Patch,
+    corners: [usize; N],
+    pair: &Pair<N>,
+    depth: f32,
+    shape: &Shape,
+    answer: &Answer,
+) {
+    let Pair { weights, normal, .. } = *pair;
+    let inertia: f32 = (0..N).map(|i| patch.inverse_mass[corners[i]] * weights[i] * weights[i]).sum();
+    if inertia <= 0.0 {
+        return;
+    }
+    let mean = |of: &crate::Soa3| (0..N).map(|i| of.get(corners[i]) * weights[i]).sum::<Vec3>();
+    let (distance_before, _) = shape.distance_and_normal(mean(&patch.before));
+    let slip = mean(&patch.slip);
+    let along = slip.dot(normal);
+    let approach = (-along).max(0.0);
+    let sliding = slip - normal * along;
+    let (shift, change) = if distance_before < 0.0 {
+        let left_inside = (answer.margin - distance_before - answer.way_out).max(0.0);
+        (normal * (depth - left_inside).max(0.0), -slip)
+    } else {
+        let stopped = (answer.friction * approach / sliding.length().max(f32::MIN_POSITIVE)).min(1.0);
+        (normal * depth - sliding * (stopped * answer.part), normal * approach - sliding * stopped)
+    };
+    for i in 0..N {
+        let (corner, share) = (corners[i], patch.inverse_mass[corners[i]] * weights[i] / inertia);
+        if share > 0.0 {
+            for (of, by) in [
+                (&mut patch.now, shift),
+                (&mut patch.shift, shift),
+                (&mut patch.way, change),
+                (&mut patch.slip, change),
+            ] {
+                of.set(corner, of.get(corner) + by * share);
+            }
+            patch.touched[corner] = true;
+        }
+    }
+    if distance_before >= 0.0 {
+        patch.approach = patch.approach.max(approach);
+    }
+    patch.pushes += 1;
+    patch.deepest = patch.deepest.max(depth);
+    patch.pushed = patch.pushed.max(depth);
+}

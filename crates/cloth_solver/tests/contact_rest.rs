@@ -6,6 +6,7 @@ mod common;
 use std::f32::consts::{E, FRAC_PI_2, FRAC_PI_4, PI};
 
 use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::forces::Air;
 use cloth_solver::{Cloth, Fabric, Soa3, measure};
 use common::*;
 use glam::{Quat, Vec2, Vec3};
@@ -137,5 +138,23 @@ fn a_strip_over_a_bar_holds_up_to_the_load_of_friction_around_it() {
         let (holds, slips) = (slides(0.95 * limit, friction, 180), slides(1.05 * limit, friction, 12));
         assert!(holds.abs() < 1e-3, "slides {holds} m under 0.95 of what friction {friction} holds");
         assert!(slips > 0.01, "slides {slips} m under 1.05 of what friction {friction} holds");
+    }
+}
+
+#[test]
+fn a_ball_that_touches_cloth_beside_a_pin_throws_nothing() {
+    for (columns, gap) in [(5, 0.0), (5, -0.002), (12, 0.0), (24, -0.001)] {
+        let mut cloth = rectangle(0.4, 0.43, columns, 3, &POPLIN);
+        cloth.air = Some(Air::default());
+        hold(&mut cloth, |rest| rest.y > 0.2149);
+        let at = cloth.topology.rest[2] + Vec3::new(1e-6, -2e-4, 0.1 + gap);
+        let ball = collider(Shape::sphere(0.1).unwrap(), at, Quat::IDENTITY, POPLIN.friction);
+        let mut most = 0.0_f32;
+        for _ in 0..240 {
+            cloth.contacts.set_colliders([ball.clone()]);
+            cloth.step(TICK, GRAVITY);
+            most = most.max(fastest(&cloth));
+        }
+        assert!(most < 0.5, "{most} m/s beside a ball of gap {gap} m, {columns} columns");
     }
 }

@@ -77,7 +77,8 @@ pub(crate) fn fall_asleep(
 }
 
 impl AwakeItem<'_, '_> {
-    /// Whether something moves it, or is about to: hands, forces, fire, what it hangs on, air faster than `wind` (m/s), a tangle that
+    /// Whether something moves it, or is about to: hands, forces, fire, what it hangs on, air faster than `wind` (m/s), a solid that it
+    /// leaves, a tangle that
     /// is undone, a mesh that it waits for, or the end of debris.
     fn is_driven(&self, wind: f32) -> bool {
         let frame = &self.frame;
@@ -90,6 +91,7 @@ impl AwakeItem<'_, '_> {
             || self.particles.force.as_ref().is_some_and(|force| !is_below(force, f32::MIN_POSITIVE))
             || self.fire.is_some_and(|fire| fire.is_warm())
             || self.own.is_some_and(|own| own.tangled() > 0)
+            || self.contacts.is_leaving()
             || self.has_debris()
             || self.particles.airflow.as_ref().is_some_and(|air| !is_below(&air.velocity, wind))
     }

@@ -489,8 +489,11 @@ fn push<const N: usize>(
     answer: &Answer,
 ) {
     let Pair { weights, normal, .. } = *pair;
-    let inertia: f32 = (0..N).map(|i| patch.inverse_mass[corners[i]] * weights[i] * weights[i]).sum();
-    if inertia <= 0.0 {
+    // What is held counts as being as light as the others: a push close beside it would else throw these far off.
+    let lightest = corners.map(|corner| patch.inverse_mass[corner]).into_iter().fold(0.0, f32::max);
+    let light = |corner: usize| if patch.inverse_mass[corner] > 0.0 { patch.inverse_mass[corner] } else { lightest };
+    let inertia: f32 = (0..N).map(|i| light(corners[i]) * weights[i] * weights[i]).sum();
+    if lightest <= 0.0 {
         return;
     }
     let mean = |of: &crate::Soa3| (0..N).map(|i| of.get(corners[i]) * weights[i]).sum::<Vec3>();

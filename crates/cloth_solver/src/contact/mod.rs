@@ -148,6 +148,11 @@ impl Contacts {
         4.0 * moves.fold(0.0, f32::max) / self.edge
     }
 
+    /// Whether the cloth is on its way out of a solid that it was deep inside of.
+    pub const fn is_leaving(&self) -> bool {
+        self.leaving.is_some()
+    }
+
     /// Whether a particle at `point` touches a collider where that stands at the end of the tick: nearer than a tenth beyond the
     /// distance kept.
     pub fn touches(&self, point: Vec3) -> bool {
@@ -255,8 +260,12 @@ impl Leaving {
     /// out of a solid pushes the rest of the cloth along, through links that know nothing of it, and that is no speed either.
     /// Tells for how long there was nothing to take, s.
     fn advance(self, particles: &mut Particles, h: f32) -> f32 {
-        let weight = measure::linear_momentum(particles).dot(particles.acceleration.as_dvec3()) * f64::from(h);
-        let allowed = (self.energy + weight).max(0.0);
+        let (gravity, mass) =
+            (particles.acceleration.as_dvec3(), particles.mass.iter().map(|m| f64::from(*m)).sum::<f64>());
+        let weight = measure::linear_momentum(particles).dot(gravity) * f64::from(h);
+        // From rest it may fall, whatever else moves it.
+        let fall = 0.5 * mass * gravity.length_squared() * f64::from(h).powi(2);
+        let allowed = (self.energy + weight).max(fall);
         let now = measure::kinetic_energy(particles);
         if now <= allowed {
             return self.calm + h;

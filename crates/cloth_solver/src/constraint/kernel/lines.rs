@@ -50,9 +50,9 @@ impl How {
     }
 }
 
-/// Later passes go so much further than to their own solution: rows and columns are two blocks that take turns, for which
-/// over-relaxation is known to converge faster (Young 1954).
-const OVER_RELAXATION: f32 = 1.2;
+/// Later passes go so much further than to their own solution: rows and columns, or the strips of a mesh, are blocks that take turns,
+/// for which over-relaxation is known to converge faster (Young 1954).
+pub(in crate::constraint) const OVER_RELAXATION: f32 = 1.25;
 
 /// α̃, 1/kg, of what is no link: torn or burnt through.
 const NO_LINK: f32 = 1e20;

@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use crate::batch::{Packed, gather4, pack, scatter4, unpack};
-use crate::constraint::kernel::lines::{How, Met, target};
+use crate::constraint::kernel::lines::{How, Met, OVER_RELAXATION, target};
 use crate::constraint::kernel::links::GONE;
 use crate::constraint::kernel::waves::Waves;
 use crate::constraint::tension::Tensions;
@@ -331,7 +331,12 @@ impl Eight {
                 delta -= factor * load(simd, &work.delta, (at + j) * LANES);
             }
             store(delta, &mut work.delta, at * LANES);
-            let lambda = if FIRST { delta } else { load(simd, multipliers, k * LANES) + delta };
+            let lambda = if FIRST {
+                delta
+            } else {
+                delta *= splat(simd, OVER_RELAXATION);
+                load(simd, multipliers, k * LANES) + delta
+            };
             store(lambda, multipliers, k * LANES);
             let push = Vec3x8::load(simd, &work.pull, at * LANES) * delta;
             for i in 0..3 {

@@ -16,11 +16,10 @@ const SETTLED: f32 = 5e-4;
 /// The change of a link in a substep, in rest lengths, up to which cloth that has settled needs no second pass.
 const QUIET: f32 = 0.02;
 
-/// Passes that take links by their true lengths; later ones solve the linear system that is left.
-const BY_LENGTH: usize = 3;
-
-/// Cloth is jammed where the third pass changes what a link is to be long by more than that, in rest lengths, and by more than that part
-/// of what the second one did: by their lengths, further passes would not converge.
+/// The pass that tells whether cloth is jammed: whether it changes what a link is to be long by more than [`JAMMED`], in rest lengths,
+/// and by more than [`CONTRACTION`] of what the one before did. By true lengths, passes would not converge then; they solve the linear
+/// system that is left.
+const TELLING: usize = 3;
 const JAMMED: f32 = 0.1;
 const CONTRACTION: f32 = 0.5;
 
@@ -50,7 +49,7 @@ impl Passes {
 
     /// How the next pass of `sub` goes.
     pub fn how(&self, sub: &Substep) -> How {
-        How { implicit: sub.implicit, by_length: self.jammed == 0.0 && self.count < BY_LENGTH }
+        How { implicit: sub.implicit, by_length: self.jammed == 0.0 }
     }
 
     /// Takes note of the first pass of `sub`, before which the largest square of the change of a link was `change`, in rest lengths.
@@ -65,7 +64,7 @@ impl Passes {
     /// Takes note of a further pass that moved a particle by at most `left` and changed what a link is to be long by `shift`, in edges.
     pub fn done(&mut self, left: f32, shift: f32) {
         self.count += 1;
-        if self.count == BY_LENGTH && shift > JAMMED && shift > CONTRACTION * self.shift {
+        if self.count == TELLING && shift > JAMMED && shift > CONTRACTION * self.shift {
             self.jammed = PATIENCE;
         }
         (self.left, self.shift) = (left, shift);

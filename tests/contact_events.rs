@@ -173,7 +173,7 @@ fn every_contact_that_begins_ends_once_before_it_begins_again_whatever_happens()
         app.world_mut().spawn((cloth, Pins::rods(2), Air::default(), Transform::from_xyz(x, 0.0, 0.0)));
     }
     let mut balls = Vec::new();
-    for _ in 0..1500 {
+    for _ in 0..2000 {
         let place = Vec3::from_array([(); 3].map(|()| random.random_range(-0.4..0.4)));
         let world = app.world_mut();
         let which = random.random_range(0..8);

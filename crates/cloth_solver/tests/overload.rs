@@ -1,4 +1,5 @@
-//! Loads beyond what the most substeps resolve: a hand that pulls as hard as it can at a scrap of light fabric.
+//! Loads beyond what the most substeps resolve: a hand that pulls as hard as it can at a scrap of light fabric, a weight that would tear a
+//! sheet.
 
 mod common;
 
@@ -41,5 +42,35 @@ fn a_scrap_of_mesh_pulled_with_all_strength_is_no_faster_than_the_hand_makes_it(
             assert!(strain > 1.0, "the hand is to stretch it beyond what the substeps resolve, not by {strain}");
             assert!(most < 3.0 * speed, "{most} m/s with a hand of {speed} m/s");
         }
+    }
+}
+
+#[test]
+fn a_sheet_under_a_weight_that_would_tear_it_hangs_still() {
+    let cells = 24;
+    let fabric = Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN };
+    let mut cloth = rectangle(0.3, 0.3, cells, cells, &fabric);
+    pin_top(&mut cloth, 0..=cells);
+    let lower: Vec<u32> = cloth.topology.particles().filter(|p| cloth.topology.rest[*p as usize].y < -0.1499).collect();
+    // N; 420 N/m in the end.
+    let most = 126.0;
+    for tick in 0..240 {
+        let weight = most * (tick as f32 / 180.0).min(1.0);
+        for slot in &lower {
+            let is_end = cloth.topology.rest[*slot as usize].x.abs() > 0.1499;
+            let share = if is_end { 0.5 } else { 1.0 } / cells as f32;
+            cloth.particles.add_force(*slot as usize, Vec3::NEG_Y * (weight * share));
+        }
+        cloth.step(TICK, GRAVITY);
+        cloth.particles.force = None;
+        assert!(fastest(&cloth) < 0.5, "{} m/s under {weight} N", fastest(&cloth));
+    }
+    // But for the last rows above the weight, where what is filtered ends.
+    let grid = cloth.topology.grid.unwrap();
+    let due = most / (0.3 * fabric.stretch_warp);
+    for row in 0..20 {
+        let [above, below] = [row, row + 1].map(|row| cloth.particles.position.get(grid.slot(row, 12) as usize));
+        let strain = above.distance(below) / grid.spacing.y - 1.0;
+        assert!((strain / due - 1.0).abs() < 0.01, "strain {strain} in row {row}, not {due}");
     }
 }

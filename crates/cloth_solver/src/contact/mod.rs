@@ -9,6 +9,7 @@
 //! the sliding as much as the removed part allows, in position and in velocity alike, so that cloth at rest does not
 //! creep.
 
+mod approach;
 mod cloth;
 mod features;
 mod near;
@@ -31,6 +32,7 @@ use glam::Vec3;
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
 use crate::tick::Substep;
 use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
+use approach::Arrival;
 use near::Near;
 use patch::Patch;
 use respond::Answer;
@@ -67,6 +69,8 @@ pub struct Contacts {
     /// Length of the longest edge at rest, m.
     longest: f32,
     near: Near,
+    /// In the order of the colliders.
+    arrivals: Vec<Arrival>,
     patch: Patch,
     /// 1 for slots that touched in this substep.
     touched: Vec<f32>,
@@ -76,7 +80,7 @@ pub struct Contacts {
 
 /// A particle found inside a collider leaves it at this speed, m/s: one that was spawned inside, or that a collider was
 /// put over. What enters during a substep is put back at once.
-pub const DEPENETRATION_SPEED: f32 = 3.0;
+pub const DEPENETRATION_SPEED: f32 = 2.5;
 
 /// How cloth leaves a solid that it was put into, or that was put over it.
 #[derive(Clone, Copy, Debug)]
@@ -206,16 +210,27 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     let mut near = std::mem::take(&mut contacts.near);
     let mut patch = std::mem::take(&mut contacts.patch);
     let mut touched = std::mem::take(&mut contacts.touched);
+    let mut arrivals = std::mem::take(&mut contacts.arrivals);
     touched.resize(particles.slots(), 0.0);
-    let mut buried = 0.0_f32;
+    arrivals.resize_with(contacts.colliders.len(), Arrival::default);
+    let mut arrives = false;
     let edge = contacts.edge;
     near.advance(particles, contacts.colliders.len());
     for (which, collider) in contacts.colliders.iter().enumerate() {
         let (shape, motion) = (&collider.shape, &collider.motion);
-        let poses =
+        let mut poses =
             if motion.from == motion.to { [motion.to; 2] } else { [sub.start, sub.end].map(|time| motion.at(time)) };
+        let arrival = &mut arrivals[which];
+        let mut is_new = arrival.begin(shape, poses, edge);
         let sag = contacts.sag(shape);
         let margin = contacts.offset + sag.unwrap_or(0.0);
+        is_new &= !near.is_far(shape, poses, margin);
+        arrives |= is_new && arrival.yield_to((topology, particles), shape, [margin, edge]);
+        let offsets = arrival.advance(sub.h);
+        for (pose, offset) in poses.iter_mut().zip(offsets) {
+            pose.position += offset;
+        }
+        arrives |= offsets[0] != Vec3::ZERO;
         if near.is_far(shape, poses, margin)
             || near.is_clear((topology, particles), which, shape, poses, [margin, edge])
         {
@@ -224,7 +239,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         let is_sharp = sag.is_none_or(|sag| {
             sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
         });
-        let answer = Answer::new(collider, margin, sub.h);
+        let answer = Answer::new(collider, margin, offsets[1] - offsets[0], sub.h);
         let mut found;
         if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
@@ -247,11 +262,13 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         contacts.touches[which].add(&found.touch);
         contacts.touching += found.touch.touching;
         contacts.deepest = contacts.deepest.max(found.deepest);
-        buried = buried.max(found.buried);
+        arrives |= found.buried > DEEP * edge;
+        arrives |= arrival.is_buried_at_once(shape, [found.buried, edge])
+            && arrival.yield_to((topology, particles), shape, [margin, edge]);
     }
     near.take_touched(&mut touched);
-    (contacts.near, contacts.patch, contacts.touched) = (near, patch, touched);
-    let calm = if buried > DEEP * edge { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
+    (contacts.near, contacts.patch, contacts.touched, contacts.arrivals) = (near, patch, touched, arrivals);
+    let calm = if arrives { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }
 

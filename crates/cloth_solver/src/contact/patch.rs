@@ -79,14 +79,14 @@ impl Patch {
         answer: &Answer,
         h: f32,
     ) -> Found {
-        let (frames, slots) = (poses.map(Frame::new), &part.slots[..part.sharp]);
+        let (frames, slots) = (frames(poses, answer), &part.slots[..part.sharp]);
         dispatch!(*LEVEL, simd => {
             self.gather(simd, particles, slots, shape, frames, h);
             self.find_planes(simd, shape, answer.margin);
         });
         features::meet(self, part, shape, answer);
         features::hold_back(self, part, shape, answer.margin);
-        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, poses, h));
+        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
         Found { touch: Touch { touching: self.pushes, ..touch }, deepest: self.deepest, ..Found::default() }
     }
 
@@ -100,7 +100,7 @@ impl Patch {
         answer: &Answer,
         h: f32,
     ) -> Found {
-        let (frames, slots) = (poses.map(Frame::new), &part.slots[..]);
+        let (frames, slots) = (frames(poses, answer), &part.slots[..]);
         let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, shape, frames, h));
         // Nothing to do if no edge is as long as the nearest particle is away.
         if nearest - farthest > answer.margin + part.longest {
@@ -112,7 +112,7 @@ impl Patch {
         } else {
             self.advance(part, shape, answer, farthest, step);
         }
-        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, poses, h));
+        let touch = dispatch!(*LEVEL, simd => self.scatter(simd, (particles, touched), slots, frames, h));
         Found { touch, deepest: self.deepest, buried: self.buried, nearest: f32::NEG_INFINITY }
     }
 
@@ -154,7 +154,7 @@ impl Patch {
         particles: &Particles,
         slots: &[u32],
         shape: &Shape,
-        [from, to]: [Frame; 2],
+        [from, moving, to]: [Frame; 3],
         h: f32,
     ) -> (f32, f32) {
         self.fit(slots.len());
@@ -169,7 +169,7 @@ impl Patch {
             let before = from.inverse_point(simd, gather3(simd, &particles.previous, &eight));
             let way = now - before;
             let velocity = gather3(simd, &particles.velocity, &eight);
-            let slip = from.inverse_direction(simd, velocity * step) + (now - from.inverse_point(simd, x));
+            let slip = from.inverse_direction(simd, velocity * step) + (now - moving.inverse_point(simd, x));
             let i = group * LANES;
             now.store(&mut self.now, i);
             before.store(&mut self.before, i);
@@ -260,17 +260,16 @@ impl Patch {
         self.approach = self.approach.max(approach.reduce_max());
     }
 
-    /// Puts back what touched. Tells what that gives to the collider, which moves from the first of `poses` to the second.
+    /// Puts back what touched. Tells what that gives to the collider.
     #[inline(always)]
     fn scatter<S: Simd>(
         &self,
         simd: S,
         (particles, touched): (&mut Particles, &mut [f32]),
         slots: &[u32],
-        poses: [Pose; 2],
+        [from, moving, to]: [Frame; 3],
         h: f32,
     ) -> Touch {
-        let [from, to] = poses.map(Frame::new);
         let mut touch = Touch { speed: self.approach / h, ..Touch::default() };
         let per_step = splat(simd, 1.0 / h);
         for (group, slots) in slots.chunks(LANES).enumerate() {
@@ -280,7 +279,7 @@ impl Patch {
             }
             let now = Vec3x8::load(simd, &self.now, i);
             let slip = Vec3x8::load(simd, &self.slip, i);
-            let velocity = (from.direction(simd, slip) + (to.point(simd, now) - from.point(simd, now))) * per_step;
+            let velocity = (from.direction(simd, slip) + (to.point(simd, now) - moving.point(simd, now))) * per_step;
             let shift = to.direction(simd, Vec3x8::load(simd, &self.shift, i));
             let [shift, velocity] =
                 [shift, velocity].map(|v| -> [[f32; LANES]; 3] { [v.x.into(), v.y.into(), v.z.into()] });
@@ -299,6 +298,11 @@ impl Patch {
         }
         touch
     }
+}
+
+/// The collider's frame at the start, the same as it would be if it had arrived by then, and its frame at the end.
+fn frames([start, end]: [Pose; 2], answer: &Answer) -> [Frame; 3] {
+    [start, answer.without_arrival(start), end].map(Frame::new)
 }
 
 /// `to += by * scale`.

@@ -28,14 +28,21 @@ pub(super) struct Answer {
     pub friction: f32,
     /// How far what began inside the solid may be moved out, m.
     pub way_out: f32,
+    /// How far the collider comes in the substep without giving speed to what it pushes, m.
+    pub arrives: Vec3,
     /// Part of the substep that this is, 0..=1.
     pub part: f32,
 }
 
 impl Answer {
     /// Of `collider` in a whole substep of `h` s.
-    pub fn new(collider: &Collider, margin: f32, h: f32) -> Self {
-        Self { margin, friction: collider.friction, way_out: DEPENETRATION_SPEED * h, part: 1.0 }
+    pub fn new(collider: &Collider, margin: f32, arrives: Vec3, h: f32) -> Self {
+        Self { margin, friction: collider.friction, way_out: DEPENETRATION_SPEED * h, arrives, part: 1.0 }
+    }
+
+    /// Where a collider that was at `start` would have been, had it arrived by then: what it has moved from there is its speed.
+    pub fn without_arrival(&self, start: Pose) -> Pose {
+        Pose { position: start.position + self.arrives, ..start }
     }
 
     /// In a part of the substep.
@@ -164,6 +171,7 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
 ) -> Found {
     let Particles { position, previous, velocity, mass, inverse_mass, .. } = particles;
     let (from, to) = (Frame::new(start), Frame::new(end));
+    let moving = Frame::new(answer.without_arrival(start));
     let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
     let (step, per_step) = (splat(simd, h), splat(simd, 1.0 / h));
     let still = Vec3x8 { x: zero, y: zero, z: zero };
@@ -186,14 +194,14 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
         let v = Vec3x8::load(simd, velocity, i);
         let mut slip = turned_back::<S, PARALLEL>(simd, &from, v * step);
         if !STILL {
-            slip = slip + (now - from.inverse_point(simd, x));
+            slip = slip + (now - moving.inverse_point(simd, x));
         }
         let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
         (x + turned::<S, PARALLEL>(simd, &to, met.shift)).store(position, i);
         let mut left = turned::<S, PARALLEL>(simd, &from, met.slip);
         if !STILL {
             let at = now + met.shift;
-            left = left + (to.point(simd, at) - from.point(simd, at));
+            left = left + (to.point(simd, at) - moving.point(simd, at));
         }
         let left = left * per_step;
         select(met.hit, left, v).store(velocity, i);

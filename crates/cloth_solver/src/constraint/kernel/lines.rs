@@ -23,10 +23,11 @@ use crate::lanes::{LANES, Vec3x8, load, select, splat, store, transpose};
 /// T h²/(m l) up to which the waves across a line are left as they are; beyond, they are slowed: see [`filter`].
 pub(crate) const UNFILTERED_LOAD: f32 = 0.15;
 
-/// What is filtered stays as it is down to that part of what is beyond.
-const STEADY: f32 = 0.8;
+/// What is filtered stays as it is while that leaves no more than that part of [`UNFILTERED_LOAD`] more unfiltered.
+const STEADY: f32 = 0.2;
 
-/// How strongly what is beyond is filtered: the waves of both directions together stay below the limit, `2 (4 E + 1/θ) < 4`.
+/// How strongly what is beyond is filtered: the waves of both directions together stay below the limit, `2 (4 E + 1/θ) < 4`, E the
+/// largest unfiltered load, `(1 + STEADY)` of [`UNFILTERED_LOAD`].
 const FILTER: f32 = 0.8;
 
 /// Cosine of the turn within a substep from which on a link is pulled along the direction that it is predicted to have: see
@@ -307,9 +308,10 @@ pub(crate) fn filter<S: Simd>(
         let length = (x_next - x).length();
         let d = Vec3x8::load(simd, &of.pull, block.link(k)) * length;
         let tension = -load(simd, &of.lambda, block.link(k)) / length.max(tiny);
-        let most = (tension - unfiltered / w.max(w_next).max(tiny)).max(zero);
+        let stays = unfiltered / w.max(w_next).max(tiny);
+        let most = (tension - stays).max(zero);
         let link = block.link(k);
-        let (was, least) = (load(simd, &of.excess, link) * square, most * steady);
+        let (was, least) = (load(simd, &of.excess, link) * square, (most - stays * steady).max(zero));
         // What is not a number is passed over.
         let excess = was.simd_gt(least).select(was, least).min(most);
         store(excess / square, &mut of.excess, link);

@@ -100,7 +100,11 @@ fn is_parted(topology: &Topology, shape: &Shape, points: &[Vec3]) -> bool {
             if distance < 0.0 { p - normal * distance } else { p }
         });
         let stretched = |i: usize, j: usize| out[i].distance(out[j]) > MOST_STRETCH * corners[i].distance(corners[j]);
-        if out == corners { passes(shape, out, core) } else { stretched(0, 1) || stretched(1, 2) || stretched(2, 0) || passes(shape, out, core) }
+        if out == corners {
+            passes(shape, out, core)
+        } else {
+            stretched(0, 1) || stretched(1, 2) || stretched(2, 0) || passes(shape, out, core)
+        }
     })
 }
 

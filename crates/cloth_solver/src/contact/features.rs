@@ -62,20 +62,20 @@ impl<const N: usize> Pair<N> {
 /// One pass over the triangles and edges of `part`.
 pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answer) {
     let margin = answer.margin;
-    let keep = shape.feature_radius() + margin;
+    let (keep, solid) = (shape.feature_radius() + margin, shape.solid());
     let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
     for triangle in &part.triangles {
         let (corners, near) = (triangle.corners.map(|i| i as usize), among(triangle.near));
         if is_beyond(patch, corners, margin) {
             continue;
         }
-        if let Shape::Convex(hull) = shape {
+        if let Some((hull, _)) = solid {
             let nearest = |near: &[u32], points, reach| triangle_and_corners(hull, near, points, reach);
             let inside = |points| {
-                triangle_around_corner(hull, near, points, margin)
-                    .or_else(|| triangle_over_corners(hull, near, points, margin))
+                triangle_around_corner(hull, near, points, keep)
+                    .or_else(|| triangle_over_corners(hull, near, points, keep))
             };
-            touch_solid(patch, corners, near, nearest, inside, (shape, hull), answer);
+            touch_solid(patch, corners, near, keep, (nearest, inside), (shape, hull), answer);
         } else {
             for point in near.iter().map(|which| part.points[*which as usize]) {
                 let nearest = |points, _| triangle_and_point(points, point);
@@ -88,10 +88,10 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
         if is_beyond(patch, ends, margin) {
             continue;
         }
-        if let Shape::Convex(hull) = shape {
+        if let Some((hull, _)) = solid {
             let nearest = |near: &[u32], points, reach| edge_and_edges(hull, near, points, reach);
-            let inside = |points| edge_over_edges(hull, Some(near), points, margin);
-            touch_solid(patch, ends, near, nearest, inside, (shape, hull), answer);
+            let inside = |points| edge_over_edges(hull, Some(near), points, keep);
+            touch_solid(patch, ends, near, keep, (nearest, inside), (shape, hull), answer);
         } else {
             for axis in near.iter().map(|which| part.segments[*which as usize]) {
                 let nearest = |points, _| edge_and_segment(points, axis);
@@ -110,17 +110,17 @@ pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f
         let mut holds = false;
         for triangle in &part.triangles {
             let points = || among(triangle.near).iter().map(|which| part.points[*which as usize]);
-            let passes = |corners: [Vec3; 3]| match shape {
-                Shape::Convex(hull) => is_cut(hull, corners),
-                _ => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
+            let passes = |corners: [Vec3; 3]| match shape.solid() {
+                Some((hull, _)) => is_cut(hull, corners),
+                None => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
             };
             holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), passes, margin);
         }
         for edge in &part.edges {
             let axes = || among(edge.near).iter().map(|which| part.segments[*which as usize]);
-            let passes = |ends: [Vec3; 2]| match shape {
-                Shape::Convex(hull) => is_cut(hull, ends),
-                _ => axes().any(|axis| {
+            let passes = |ends: [Vec3; 2]| match shape.solid() {
+                Some((hull, _)) => is_cut(hull, ends),
+                None => axes().any(|axis| {
                     let [s, t] = of_segments(ends, axis);
                     ends[0].lerp(ends[1], s).distance(axis[0].lerp(axis[1], t)) < core
                 }),
@@ -175,17 +175,19 @@ fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) ->
     false
 }
 
-/// Meets a solid with corners and edges, of which `near` are met. What was inside from the start, `inside` knows the way out of.
+/// Meets a solid with corners and edges, of which `near` are met, at the distance `keep`. What was inside from the start, `inside` knows the way out of.
 fn touch_solid<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
     near: &[u32],
-    nearest: impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
-    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    keep: f32,
+    (nearest, inside): (
+        impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
+        impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    ),
     (shape, hull): (&Shape, &ConvexHull),
     answer: &Answer,
 ) {
-    let keep = answer.margin;
     let mut is_outside = false;
     for one in near.chunks(1) {
         is_outside |= touch(patch, corners, keep, |points, reach| nearest(one, points, reach), shape, answer);

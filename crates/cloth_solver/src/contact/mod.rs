@@ -21,7 +21,7 @@ mod touch;
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
-pub use shape::{ConvexHull, Shape};
+pub use shape::{ConvexHull, Curved, Form, Shape};
 pub use touch::Touch;
 
 use fearless_simd::prelude::*;
@@ -115,13 +115,8 @@ impl Contacts {
     /// How far a triangle reaches into `shape` between its corners, if they are on it and that is too little to be seen: then
     /// particles stay off by so much more. `None` if the triangles and edges have to be met themselves.
     fn sag(&self, shape: &Shape) -> Option<f32> {
-        match shape {
-            Shape::HalfSpace => Some(0.0),
-            Shape::Convex(_) => None,
-            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
-                Some(self.span / (2.0 * radius)).filter(|sag| *sag <= MOST_SAG * self.edge)
-            }
-        }
+        let sag = self.span / (2.0 * shape.least_curvature_radius()?);
+        Some(sag).filter(|sag| *sag <= MOST_SAG * self.edge)
     }
 
     /// Distance kept between a particle and the surface of `shape`, m.

@@ -64,7 +64,11 @@ pub(super) struct Patch {
 
 /// The farthest that cloth may move against a solid of `shape` in one stage, m.
 pub(super) fn longest_stage(shape: &Shape) -> f32 {
-    shape.inner_radius() * if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE }
+    match shape.solid() {
+        // What is rounded is as good to pass as a ball of that radius.
+        Some((hull, rounding)) => (STAGE_OF_EDGES * hull.inner_radius).max(STAGE * rounding),
+        None => STAGE * shape.inner_radius(),
+    }
 }
 
 impl Patch {

@@ -250,6 +250,11 @@ pub(super) fn distance_and_normal<S: Simd>(
             ball(simd, Vec3x8 { x: p.x, y: p.y - on_axis, z: p.z }, *radius)
         }
         Shape::HalfSpace => (p.y, Vec3x8 { x: zero, y: splat(simd, 1.0), z: zero }),
+        Shape::Curved(curved) => {
+            let (distance, normal, is_bound) = curved.bound(simd, p);
+            let near = is_bound & wanted & distance.simd_lt(margin);
+            if near.any_true() { exact_where(simd, shape, p, near, distance, normal) } else { (distance, normal) }
+        }
         Shape::Convex(hull) => {
             let (distance, normal) = nearest_plane(simd, &hull.planes, p);
             // A lower bound of the distance, and exact inside. Outside it is exact where the foot of the perpendicular

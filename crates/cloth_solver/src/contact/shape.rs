@@ -6,9 +6,14 @@ use glam::{Vec2, Vec3};
 
 use crate::ClothError;
 
+mod bound;
+mod curved;
+mod ellipsoid;
+mod faces;
 mod hull;
 pub(crate) mod segment;
 
+pub use curved::{Curved, Form};
 pub use hull::ConvexHull;
 
 /// The form of a collider, in its own frame, m.
@@ -28,6 +33,8 @@ pub enum Shape {
     },
     /// A convex solid: box, pyramid, or any other.
     Convex(Arc<ConvexHull>),
+    /// A convex solid with a curved surface: cylinder, cone, ellipsoid, rounded box.
+    Curved(Arc<Curved>),
     /// Everything below y = 0: solid ground.
     HalfSpace,
 }
@@ -69,6 +76,51 @@ impl Shape {
         Ok(Self::Convex(Arc::new(ConvexHull::pyramid(base / 2.0, height / 2.0))))
     }
 
+    /// A box with rounded edges, centred on the origin: `size` are its overall edge lengths, m, each 1e-4..=1e4, and `radius` that of
+    /// its edges, 1e-4 m or more and less than half the shortest of them.
+    pub fn rounded_cuboid(size: Vec3, radius: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::RoundedCuboid.size.x", size.x)?;
+        check_size("ClothCollider::RoundedCuboid.size.y", size.y)?;
+        check_size("ClothCollider::RoundedCuboid.size.z", size.z)?;
+        let core = size / 2.0 - radius;
+        let is_less = core.min_element() > f32::EPSILON * size.max_element();
+        if !((1e-4..=1e4).contains(&radius) && is_less) {
+            let [field, allowed] =
+                ["ClothCollider::RoundedCuboid.radius", "1e-4 m or more and less than half the shortest edge"];
+            return Err(ClothError::OutOfRange { field, value: radius, allowed });
+        }
+        Ok(Self::curved(Form::RoundedCuboid { core, radius }))
+    }
+
+    /// A cylinder along y of `radius` and `height`, centred on the origin; each 1e-4..=1e4 m.
+    pub fn cylinder(radius: f32, height: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Cylinder.radius", radius)?;
+        check_size("ClothCollider::Cylinder.height", height)?;
+        Ok(Self::curved(Form::Cylinder { radius, half_height: height / 2.0 }))
+    }
+
+    /// A cone along y: base of `radius` at −`height`/2, apex at +`height`/2; each 1e-4..=1e4 m.
+    pub fn cone(radius: f32, height: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Cone.radius", radius)?;
+        check_size("ClothCollider::Cone.height", height)?;
+        Ok(Self::curved(Form::Cone { radius, half_height: height / 2.0 }))
+    }
+
+    /// An ellipsoid around the origin with semi-axes `radii`, m, each 1e-4..=1e4. A [`Shape::Sphere`] if they are the same.
+    pub fn ellipsoid(radii: Vec3) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Ellipsoid.radii.x", radii.x)?;
+        check_size("ClothCollider::Ellipsoid.radii.y", radii.y)?;
+        check_size("ClothCollider::Ellipsoid.radii.z", radii.z)?;
+        if radii == Vec3::splat(radii.x) {
+            return Ok(Self::Sphere { radius: radii.x });
+        }
+        Ok(Self::curved(Form::Ellipsoid { half: radii }))
+    }
+
+    fn curved(form: Form) -> Self {
+        Self::Curved(Arc::new(Curved::new(form)))
+    }
+
     /// The intersection of 4 to 64 half-spaces `n · p <= d`; must be bounded (within 1e4 m of the origin) and hold a
     /// point in its inside. The normals `n` need not have unit length; half-spaces that cut nothing off are dropped.
     pub fn convex(planes: &[(Vec3, f32)]) -> Result<Self, ClothError> {
@@ -77,7 +129,7 @@ impl Shape {
 
     /// Signed distance from the surface to `p` (negative inside), m, and the outward normal there, of unit length.
     ///
-    /// Exact outside of every shape. Inside a convex solid it is the plane of least depth, the way out for a shallow
+    /// Exact outside of every shape, and inside of a ball, a capsule and an ellipsoid. Inside any other convex solid it is the plane of least depth, the way out for a shallow
     /// particle. Never NaN for a finite `p`: where all directions are equal, the normal is +y at the centre of a sphere
     /// and +x on the axis of a capsule.
     pub fn distance_and_normal(&self, p: Vec3) -> (f32, Vec3) {
@@ -88,6 +140,7 @@ impl Shape {
                 (from_axis.length() - radius, from_axis.normalize_or(Vec3::X))
             }
             Self::Convex(hull) => hull.distance_and_normal(p),
+            Self::Curved(curved) => curved.distance_and_normal(p),
             Self::HalfSpace => (p.y, Vec3::Y),
         }
     }
@@ -98,6 +151,7 @@ impl Shape {
             Self::Sphere { radius } => *radius,
             Self::Capsule { radius, half_length } => radius + half_length,
             Self::Convex(hull) => hull.radius,
+            Self::Curved(curved) => curved.bounding_radius(),
             Self::HalfSpace => f32::INFINITY,
         }
     }
@@ -107,6 +161,7 @@ impl Shape {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Convex(hull) => hull.inner_radius,
+            Self::Curved(curved) => curved.inner_radius(),
             Self::HalfSpace => f32::INFINITY,
         }
     }
@@ -115,6 +170,7 @@ impl Shape {
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Convex(a), Self::Convex(b)) if Arc::ptr_eq(a, b) => true,
+            (Self::Curved(a), Self::Curved(b)) if Arc::ptr_eq(a, b) => true,
             _ => self == other,
         }
     }
@@ -130,11 +186,33 @@ impl Shape {
                     segments.push(ends);
                 }
             }
-            Self::Convex(hull) => {
-                points.extend(&hull.corners);
-                segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
+            Self::Convex(_) | Self::Curved(_) => {
+                if let Some((hull, _)) = self.solid() {
+                    points.extend(&hull.corners);
+                    segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
+                }
             }
             Self::HalfSpace => {}
+        }
+    }
+
+    /// The polyhedron whose corners and edges triangles and edges of a cloth meet, and at which distance, m.
+    #[inline(always)]
+    pub(crate) fn solid(&self) -> Option<(&ConvexHull, f32)> {
+        match self {
+            Self::Convex(hull) => Some((hull, 0.0)),
+            Self::Curved(curved) => Some((curved.hull(), curved.rounding())),
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::HalfSpace => None,
+        }
+    }
+
+    /// The least radius of curvature of a surface without edges, m; `None` where there are edges.
+    pub(crate) fn least_curvature_radius(&self) -> Option<f32> {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => Some(*radius),
+            Self::Convex(_) => None,
+            Self::Curved(curved) => curved.least_curvature_radius(),
+            Self::HalfSpace => Some(f32::INFINITY),
         }
     }
 
@@ -142,6 +220,7 @@ impl Shape {
     pub(crate) fn feature_radius(&self) -> f32 {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Curved(curved) => curved.rounding(),
             Self::Convex(_) | Self::HalfSpace => 0.0,
         }
     }
@@ -158,6 +237,10 @@ impl Shape {
                 .corners
                 .iter()
                 .fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| [low.min(*corner), high.max(*corner)]),
+            Self::Curved(curved) => {
+                let half = curved.half_extent();
+                [-half, half]
+            }
             Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
         }
     }

@@ -1,5 +1,5 @@
 //! Triangles and edges of a cloth against what of a collider fits between particles: the centre of a ball, the axis of a capsule,
-//! the corners and edges of a convex solid.
+//! the corners and edges of a convex solid, the folds and borders of a triangle mesh.
 //!
 //! A contact acts at a point of the cloth with weights b of its corners (sum 1) along a normal n. What it lacks of the distance
 //! kept, C, is made up for by `Δx_i = w_i b_i n λ`, `λ = C / Σ w_j b_j²` (Bridson, Fedkiw, Anderson 2002): the point itself moves by C,
@@ -14,7 +14,7 @@ use super::near::Part;
 use super::nearest::{of_segments, on_triangle};
 use super::patch::Patch;
 use super::respond::{AT_ONCE, Answer};
-use super::{ConvexHull, Shape};
+use super::{ConvexHull, Shape, TriangleMesh};
 
 /// Sine of the angle below which a cloth edge and an edge of a solid are parallel and have no common normal; then particles and
 /// corners meet before they do.
@@ -79,7 +79,7 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
         } else {
             for point in near.iter().map(|which| part.points[*which as usize]) {
                 let nearest = |points, _| triangle_and_point(points, point);
-                touch_round(patch, corners, keep, nearest, shape, answer);
+                touch_round(patch, corners, keep, ([point; 2], nearest), shape, answer);
             }
         }
     }
@@ -95,7 +95,8 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
         } else {
             for axis in near.iter().map(|which| part.segments[*which as usize]) {
                 let nearest = |points, _| edge_and_segment(points, axis);
-                touch_round(patch, ends, keep, nearest, shape, answer);
+                let ends_of_box = [axis[0].min(axis[1]), axis[0].max(axis[1])];
+                touch_round(patch, ends, keep, (ends_of_box, nearest), shape, answer);
             }
         }
     }
@@ -133,6 +134,32 @@ pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f
     }
 }
 
+/// Puts back what particles went through the middle of a wall of triangles in this stage: in a narrow furrow pushes off one side go
+/// through the other, and a wall has no inside to lead out of.
+pub(super) fn hold_back_particles(patch: &mut Patch, part: &Part, mesh: &TriangleMesh) {
+    for number in 0..part.slots.len() {
+        let ends = [patch.before.get(number), patch.now.get(number)];
+        let passes = |triangle: &u32| is_pierced(mesh.corners(*triangle), ends);
+        if ends[0] != ends[1] && part.triangles_near(number).iter().any(passes) {
+            put_back(patch, number);
+        }
+    }
+}
+
+/// Lets a particle go with the collider through this stage; `true` if it did not already.
+fn put_back(patch: &mut Patch, number: usize) -> bool {
+    let (before, now) = (patch.before.get(number), patch.now.get(number));
+    let is_moved = patch.inverse_mass[number] > 0.0 && now != before;
+    if is_moved {
+        patch.now.set(number, before);
+        patch.shift.set(number, patch.shift.get(number) + before - now);
+        patch.way.set(number, patch.way.get(number) - patch.slip.get(number));
+        patch.slip.set(number, Vec3::ZERO);
+        patch.touched[number] = true;
+    }
+    is_moved
+}
+
 /// [`hold_back`] of one triangle or edge; `true` if it had to be.
 fn hold_back_one<const N: usize>(
     patch: &mut Patch,
@@ -144,19 +171,7 @@ fn hold_back_one<const N: usize>(
     if is_beyond(patch, corners, margin) || !passes(now) || passes(before) {
         return false;
     }
-    let mut holds = false;
-    for i in 0..N {
-        let corner = corners[i];
-        if patch.inverse_mass[corner] > 0.0 && now[i] != before[i] {
-            patch.now.set(corner, before[i]);
-            patch.shift.set(corner, patch.shift.get(corner) + before[i] - now[i]);
-            patch.way.set(corner, patch.way.get(corner) - patch.slip.get(corner));
-            patch.slip.set(corner, Vec3::ZERO);
-            patch.touched[corner] = true;
-            holds = true;
-        }
-    }
-    holds
+    corners.into_iter().fold(false, |holds, corner| put_back(patch, corner) || holds)
 }
 
 /// Whether all of these are beyond a plane that the whole collider is on the other side of.
@@ -208,15 +223,20 @@ fn touch_solid<const N: usize>(
     }
 }
 
-/// Meets the centre or the axis of a round solid.
+/// Meets the centre or the axis of a round solid, or a corner or a fold of a mesh, which `nearest` knows and a box holds.
 fn touch_round<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
     keep: f32,
-    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    (around, nearest): ([Vec3; 2], impl Fn([Vec3; N], f32) -> Option<Pair<N>>),
     shape: &Shape,
     answer: &Answer,
 ) {
+    let [before, now] = [&patch.before, &patch.now].map(|x| corners.map(|i| x.get(i)));
+    let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
+    if !is_near(before, keep + moved, around) {
+        return;
+    }
     if touch(patch, corners, keep, &nearest, shape, answer) || answer.part >= 1.0 {
         return;
     }
@@ -371,7 +391,7 @@ fn is_segment_cut(hull: &ConvexHull, [a, b]: [Vec3; 2]) -> bool {
 }
 
 /// Whether a segment passes through a triangle.
-fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
+pub(super) fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
     let across = (b - a).cross(c - a);
     let [low, high] = [from, to].map(|end| across.dot(end - a));
     if (low < 0.0) == (high < 0.0) {
@@ -499,7 +519,7 @@ fn push<const N: usize>(
         return;
     }
     let mean = |of: &crate::Soa3| (0..N).map(|i| of.get(corners[i]) * weights[i]).sum::<Vec3>();
-    let (distance_before, _) = shape.distance_and_normal(mean(&patch.before));
+    let distance_before = shape.depth(mean(&patch.before));
     let slip = mean(&patch.slip);
     let along = slip.dot(normal);
     let approach = (-along).max(0.0);

@@ -12,16 +12,18 @@
 mod cloth;
 mod features;
 mod near;
+mod near_mesh;
 mod nearest;
 mod patch;
 mod respond;
 mod shape;
+mod surface;
 mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
-pub use shape::{ConvexHull, Curved, Form, Shape};
+pub use shape::{ConvexHull, Curved, Form, Shape, TriangleMesh};
 pub use touch::Touch;
 
 use fearless_simd::prelude::*;
@@ -34,6 +36,7 @@ use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
 use near::Near;
 use patch::Patch;
 use respond::Answer;
+use surface::Surface;
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
 #[derive(Clone, Debug)]
@@ -221,7 +224,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         });
         let answer = Answer::new(collider, margin, sub.h);
         let mut found;
-        if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
+        if shape.mesh().is_some() || near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
             found = patch.collide((particles, &mut touched), part, shape, poses, &answer, sub.h);
         } else {

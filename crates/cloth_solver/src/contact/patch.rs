@@ -9,8 +9,8 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
 use super::near::Part;
-use super::respond::{Answer, Eight, Found, distance_and_normal, meet};
-use super::{Shape, Touch, features};
+use super::respond::{Answer, Eight, Found, meet};
+use super::{Shape, Surface, Touch, features};
 use crate::batch::gather3;
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
@@ -85,8 +85,8 @@ impl Patch {
     ) -> Found {
         let (frames, slots) = (poses.map(Frame::new), &part.slots[..part.sharp]);
         dispatch!(*LEVEL, simd => {
-            self.gather(simd, particles, slots, shape, frames, h);
-            self.find_planes(simd, shape, answer.margin);
+            self.gather(simd, particles, slots, (shape, part), frames, h);
+            self.find_planes(simd, (shape, part), answer.margin);
         });
         features::meet(self, part, shape, answer);
         features::hold_back(self, part, shape, answer.margin);
@@ -105,7 +105,7 @@ impl Patch {
         h: f32,
     ) -> Found {
         let (frames, slots) = (poses.map(Frame::new), &part.slots[..]);
-        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, shape, frames, h));
+        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, (shape, part), frames, h));
         // Nothing to do if no edge is as long as the nearest particle is away.
         if nearest - farthest > answer.margin + part.longest {
             return Found::default();
@@ -126,7 +126,7 @@ impl Patch {
         self.now.copy_from(&self.before);
         let mut at = 0.0;
         while at < 1.0 {
-            let clear = dispatch!(*LEVEL, simd => self.distances(simd, shape)) - answer.margin - part.longest;
+            let clear = dispatch!(*LEVEL, simd => self.distances(simd, (shape, part))) - answer.margin - part.longest;
             let stage = (step.max(clear) / farthest).min(1.0 - at);
             self.before.copy_from(&self.now);
             add(&mut self.now, &self.way, stage);
@@ -140,7 +140,7 @@ impl Patch {
     /// One stage: particles, then triangles, then edges.
     fn meet(&mut self, part: &Part, shape: &Shape, answer: &Answer, passes: u32) {
         for _ in 0..passes {
-            dispatch!(*LEVEL, simd => self.meet_particles(simd, shape, answer));
+            dispatch!(*LEVEL, simd => self.meet_particles(simd, (shape, part), answer));
             self.pushed = 0.0;
             features::meet(self, part, shape, answer);
             if self.pushed <= answer.margin {
@@ -148,6 +148,9 @@ impl Patch {
             }
         }
         features::hold_back(self, part, shape, answer.margin);
+        if let Some(mesh) = shape.mesh() {
+            features::hold_back_particles(self, part, mesh);
+        }
     }
 
     /// Loads the particles; tells how far any moves, and how far the nearest is away where it ends.
@@ -157,7 +160,7 @@ impl Patch {
         simd: S,
         particles: &Particles,
         slots: &[u32],
-        shape: &Shape,
+        (shape, part): (&Shape, &Part),
         [from, to]: [Frame; 2],
         h: f32,
     ) -> (f32, f32) {
@@ -185,7 +188,8 @@ impl Patch {
             }
             farthest = farthest.max(way.dot(way));
             let zero = splat(simd, 0.0);
-            nearest = nearest.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
+            let surface = Surface::near(shape, part, i);
+            nearest = nearest.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         (farthest.reduce_max().sqrt(), nearest.reduce_min())
     }
@@ -208,44 +212,51 @@ impl Patch {
 
     /// The least distance of any particle from the collider, m.
     #[inline(always)]
-    fn distances<S: Simd>(&mut self, simd: S, shape: &Shape) -> f32 {
+    fn distances<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part)) -> f32 {
         let zero = splat(simd, 0.0);
         let mut least = splat(simd, f32::INFINITY);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
-            least = least.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
+            let surface = Surface::near(shape, part, i);
+            least = least.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         least.reduce_min()
     }
 
     /// Finds the plane that each particle is beyond.
     #[inline(always)]
-    fn find_planes<S: Simd>(&mut self, simd: S, shape: &Shape, margin: f32) {
+    fn find_planes<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part), margin: f32) {
         let (margin, zero) = (splat(simd, margin), splat(simd, 0.0));
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
-            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            let surface = Surface::near(shape, part, i);
+            let (distance, normal) = surface.distance_and_normal(simd, now, margin, zero.simd_ge(zero));
             normal.store(&mut self.normal, i);
-            store(now.dot(normal) - distance, &mut self.height, i);
+            // Nothing is beyond a plane if there is more of the surface behind.
+            let height = if surface.is_convex() { now.dot(normal) - distance } else { splat(simd, f32::INFINITY) };
+            store(height, &mut self.height, i);
         }
     }
 
     #[inline(always)]
-    fn meet_particles<S: Simd>(&mut self, simd: S, shape: &Shape, answer: &Answer) {
+    fn meet_particles<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part), answer: &Answer) {
         let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
         let (mut deepest, mut buried, mut approach) = (zero, zero, zero);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
             let free = load(simd, &self.inverse_mass, i).simd_gt(zero);
-            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            let surface = Surface::near(shape, part, i);
+            let (distance, normal) = surface.distance_and_normal(simd, now, margin, zero.simd_ge(zero));
             normal.store(&mut self.normal, i);
-            store(now.dot(normal) - distance, &mut self.height, i);
+            // Nothing is beyond a plane if there is more of the surface behind.
+            let height = if surface.is_convex() { now.dot(normal) - distance } else { splat(simd, f32::INFINITY) };
+            store(height, &mut self.height, i);
             let wanted = free & distance.simd_lt(margin);
             if !wanted.any_true() {
                 continue;
             }
             let (before, slip) = (Vec3x8::load(simd, &self.before, i), Vec3x8::load(simd, &self.slip, i));
-            let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
+            let met = meet(simd, surface, Eight { before, now, slip }, (distance, normal), wanted, answer);
             (now + met.shift).store(&mut self.now, i);
             (Vec3x8::load(simd, &self.shift, i) + met.shift).store(&mut self.shift, i);
             (Vec3x8::load(simd, &self.way, i) + met.slip - slip).store(&mut self.way, i);

@@ -12,9 +12,14 @@ mod ellipsoid;
 mod faces;
 mod hull;
 pub(crate) mod segment;
+#[cfg(feature = "parry")]
+mod solids;
+mod surface;
+mod tree;
 
 pub use curved::{Curved, Form};
 pub use hull::ConvexHull;
+pub use surface::TriangleMesh;
 
 /// The form of a collider, in its own frame, m.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +42,8 @@ pub enum Shape {
     Curved(Arc<Curved>),
     /// Everything below y = 0: solid ground.
     HalfSpace,
+    /// A wall along a triangle mesh or a height field.
+    Mesh(Arc<TriangleMesh>),
 }
 
 /// `Ok` if `value` is a size a collider may have, 1e-4..=1e4 m.
@@ -142,6 +149,7 @@ impl Shape {
             Self::Convex(hull) => hull.distance_and_normal(p),
             Self::Curved(curved) => curved.distance_and_normal(p),
             Self::HalfSpace => (p.y, Vec3::Y),
+            Self::Mesh(mesh) => mesh.distance_and_normal(p),
         }
     }
 
@@ -153,6 +161,7 @@ impl Shape {
             Self::Convex(hull) => hull.radius,
             Self::Curved(curved) => curved.bounding_radius(),
             Self::HalfSpace => f32::INFINITY,
+            Self::Mesh(mesh) => mesh.radius(),
         }
     }
 
@@ -163,7 +172,19 @@ impl Shape {
             Self::Convex(hull) => hull.inner_radius,
             Self::Curved(curved) => curved.inner_radius(),
             Self::HalfSpace => f32::INFINITY,
+            Self::Mesh(mesh) => mesh.half_thickness(),
         }
+    }
+
+    /// The triangle mesh, if it is one.
+    #[inline(always)]
+    pub(crate) fn mesh(&self) -> Option<&TriangleMesh> {
+        if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
+    }
+
+    /// Signed distance from the surface to `p` where that is inside, m; outside it may be infinite.
+    pub(crate) fn depth(&self, p: Vec3) -> f32 {
+        self.mesh().map_or_else(|| self.distance_and_normal(p).0, |mesh| mesh.depth(p))
     }
 
     /// Whether `other` is the same shape: cheap where both share one solid.
@@ -171,6 +192,7 @@ impl Shape {
         match (self, other) {
             (Self::Convex(a), Self::Convex(b)) if Arc::ptr_eq(a, b) => true,
             (Self::Curved(a), Self::Curved(b)) if Arc::ptr_eq(a, b) => true,
+            (Self::Mesh(a), Self::Mesh(b)) if Arc::ptr_eq(a, b) => true,
             _ => self == other,
         }
     }
@@ -192,7 +214,8 @@ impl Shape {
                     segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
                 }
             }
-            Self::HalfSpace => {}
+            // Those of a mesh depend on where the cloth is.
+            Self::HalfSpace | Self::Mesh(_) => {}
         }
     }
 
@@ -202,7 +225,7 @@ impl Shape {
         match self {
             Self::Convex(hull) => Some((hull, 0.0)),
             Self::Curved(curved) => Some((curved.hull(), curved.rounding())),
-            Self::Sphere { .. } | Self::Capsule { .. } | Self::HalfSpace => None,
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::HalfSpace | Self::Mesh(_) => None,
         }
     }
 
@@ -210,7 +233,7 @@ impl Shape {
     pub(crate) fn least_curvature_radius(&self) -> Option<f32> {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => Some(*radius),
-            Self::Convex(_) => None,
+            Self::Convex(_) | Self::Mesh(_) => None,
             Self::Curved(curved) => curved.least_curvature_radius(),
             Self::HalfSpace => Some(f32::INFINITY),
         }
@@ -221,6 +244,7 @@ impl Shape {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Curved(curved) => curved.rounding(),
+            Self::Mesh(mesh) => mesh.half_thickness(),
             Self::Convex(_) | Self::HalfSpace => 0.0,
         }
     }
@@ -241,6 +265,7 @@ impl Shape {
                 let half = curved.half_extent();
                 [-half, half]
             }
+            Self::Mesh(mesh) => mesh.bounds(),
             Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
         }
     }

@@ -5,10 +5,11 @@ use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
 use super::{ConvexHull, Form, Shape};
-use crate::lanes::{Vec3x8, splat};
+use crate::lanes::{LANES, Vec3x8, splat};
 
 /// Whether the way from `from` to `to`, in the shape's own frame, enters the shape. One that starts inside does not enter. Of a
-/// cylinder and a cone it is the polyhedron inside that is entered, of a rounded box the box around it.
+/// cylinder and a cone it is the polyhedron inside that is entered, of a rounded box the box around it, of a mesh a
+/// triangle.
 #[inline(always)]
 pub(crate) fn enters<S: Simd>(simd: S, shape: &Shape, from: Vec3x8<S>, to: Vec3x8<S>) -> mask32x8<S> {
     let zero = splat(simd, 0.0);
@@ -25,6 +26,13 @@ pub(crate) fn enters<S: Simd>(simd: S, shape: &Shape, from: Vec3x8<S>, to: Vec3x
             }
             _ => enters_hull(simd, curved.hull(), curved.rounding(), from, to),
         },
+        Shape::Mesh(mesh) => {
+            let at = |p: Vec3x8<S>, lane: usize| Vec3::new(p.x[lane], p.y[lane], p.z[lane]);
+            let hits = (0..LANES).map(|lane| f32::from(u8::from(mesh.is_between(at(from, lane), at(to, lane)))));
+            let mut lanes = [0.0; LANES];
+            lanes.iter_mut().zip(hits).for_each(|(lane, hit)| *lane = hit);
+            f32x8::simd_from(simd, lanes).simd_gt(zero)
+        }
     }
 }
 

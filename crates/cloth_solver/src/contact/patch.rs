@@ -126,7 +126,8 @@ impl Patch {
         self.now.copy_from(&self.before);
         let mut at = 0.0;
         while at < 1.0 {
-            let clear = dispatch!(*LEVEL, simd => self.distances(simd, (shape, part))) - answer.margin - part.longest;
+            let least = dispatch!(*LEVEL, simd => self.distances(simd, shape));
+            let clear = least - answer.margin - part.longest;
             let stage = (step.max(clear) / farthest).min(1.0 - at);
             self.before.copy_from(&self.now);
             add(&mut self.now, &self.way, stage);
@@ -189,6 +190,11 @@ impl Patch {
             farthest = farthest.max(way.dot(way));
             let zero = splat(simd, 0.0);
             let surface = Surface::near(shape, part, i);
+            if !surface.is_convex() {
+                // Only what is near is listed, and to look costs more than what may be left out.
+                nearest = splat(simd, f32::NEG_INFINITY);
+                continue;
+            }
             nearest = nearest.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         (farthest.reduce_max().sqrt(), nearest.reduce_min())
@@ -210,14 +216,16 @@ impl Patch {
         self.touched.resize(slots, false);
     }
 
-    /// The least distance of any particle from the collider, m.
+    /// The least distance of any particle from the collider, m; −∞ from a mesh, of which that is not known.
     #[inline(always)]
-    fn distances<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part)) -> f32 {
-        let zero = splat(simd, 0.0);
+    fn distances<S: Simd>(&mut self, simd: S, shape: &Shape) -> f32 {
+        let (surface, zero) = (Surface::of(shape), splat(simd, 0.0));
+        if !surface.is_convex() {
+            return f32::NEG_INFINITY;
+        }
         let mut least = splat(simd, f32::INFINITY);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
-            let surface = Surface::near(shape, part, i);
             least = least.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         least.reduce_min()

@@ -1,6 +1,6 @@
 //! Triangle meshes as walls: solid within half a thickness of their triangles, on both sides.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::tree::Tree;
 use crate::contact::nearest::on_triangle;
@@ -22,6 +22,8 @@ pub struct TriangleMesh {
     triangles: Vec<[u32; 3]>,
     /// Of the triangles, of unit length.
     normals: Vec<Vec3>,
+    /// A ball around each triangle: its centre and radius, m.
+    balls: Vec<Vec4>,
     /// Those along which the surface is folded or ends.
     edges: Vec<[u32; 2]>,
     /// Numbers of these of each triangle, or [`NONE`].
@@ -54,6 +56,11 @@ impl TriangleMesh {
             let [a, b, c] = at(triangle).map(Vec3::as_dvec3);
             (b - a).cross(c - a).normalize_or_zero().as_vec3()
         });
+        let balls = triangles.iter().map(|triangle| {
+            let [a, b, c] = at(triangle);
+            let centre = (a + b + c) / 3.0;
+            centre.extend([a, b, c].map(|corner| corner.distance(centre)).into_iter().fold(0.0, f32::max))
+        });
         let (edges, edges_of) = folds(&vertices, &triangles);
         let mut is_corner = vec![false; vertices.len()];
         edges.iter().flatten().for_each(|i| is_corner[*i as usize] = true);
@@ -64,6 +71,7 @@ impl TriangleMesh {
         let (low, high) = vertices.iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
         Self {
             normals: normals.collect(),
+            balls: balls.collect(),
             edges,
             edges_of,
             is_corner,
@@ -112,8 +120,16 @@ impl TriangleMesh {
 
     /// Of those `triangles` the nearest to `p`: signed distance from the surface around it, `bound` m at most, and its normal.
     pub(crate) fn among(&self, p: Vec3, triangles: &[u32], bound: f32) -> (f32, Vec3) {
-        let all = triangles.iter().map(|triangle| self.from_triangle(*triangle, p));
-        all.fold((bound, Vec3::Y), |nearest, found| if found.0 < nearest.0 { found } else { nearest })
+        let mut nearest = (bound, Vec3::Y);
+        for &triangle in triangles {
+            let ball = self.balls[triangle as usize];
+            let reach = nearest.0 + self.half_thickness + ball.w;
+            if ball.truncate().distance_squared(p) < reach * reach {
+                let found = self.from_triangle(triangle, p);
+                nearest = if found.0 < nearest.0 { found } else { nearest };
+            }
+        }
+        nearest
     }
 
     fn nearest(&self, p: Vec3, reach: f32) -> Option<u32> {

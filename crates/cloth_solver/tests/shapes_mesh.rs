@@ -140,7 +140,7 @@ fn what_is_no_mesh_or_height_field_is_refused() {
     assert_eq!(field_of(Vec2::ONE, UVec2::ONE, &[0.0; 4], f32::NAN), "ClothCollider::HeightField.thickness");
 }
 
-/// A box, a ball of `rings` and a saddle as triangle meshes: their vertices and indices.
+/// A ball of triangles: vertices and indices.
 fn ball(radius: f32, rings: u32) -> (Vec<Vec3>, Vec<u32>) {
     let around = 2 * rings;
     let mut vertices = Vec::new();
@@ -199,21 +199,14 @@ fn cloth_rests_on_hulls_meshes_and_height_fields() {
         ("the edge of a sheet", Shape::triangle_mesh(&sheet, &[0, 1, 2, 2, 1, 3], 0.01).unwrap(), Quat::from_rotation_x(FRAC_PI_2)),
         ("a sheet", Shape::triangle_mesh(&sheet, &[0, 1, 2, 2, 1, 3], 0.02).unwrap(), Quat::IDENTITY),
         ("ridges", ridges(2.0, 16, 0.02), Quat::IDENTITY),
-        ("fine ridges", ridges(2.0, 128, 0.02), Quat::IDENTITY),
+        ("fine ridges", ridges(2.0, 64, 0.02), Quat::IDENTITY),
     ];
-    let only = std::env::var("ONLY").unwrap_or_default();
     let mut failures = Vec::new();
     for (name, shape, rotation) in cases {
-        if !name.contains(&only) {
-            continue;
-        }
         let mut cloth = laid(&shape, rotation, 0.3);
-        let start = Instant::now();
-        run(&mut cloth, 12.0);
-        let taken = start.elapsed().as_secs_f64() / 720.0;
+        run(&mut cloth, 8.0);
         let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest(&cloth, &shape, rotation));
-        let line = format!("{name}: {speed} m/s, {depth} m deep, {} contacts, {:.2} ms a tick", cloth.contacts.touching, 1e3 * taken);
-        println!("{line}");
+        let line = format!("{name}: {speed} m/s, {depth} m deep, {} contacts", cloth.contacts.touching);
         let is_at_rest = speed < 0.03 && depth < 3e-4 && cloth.contacts.touching > 20;
         failures.extend((!is_at_rest).then_some(line));
     }
@@ -265,7 +258,7 @@ fn passes([a, b, c]: [Vec3; 3], from: Vec3, to: Vec3) -> bool {
 
 #[test]
 fn a_needle_of_a_mesh_does_not_slip_through_between_particles() {
-    // A spike far thinner than a cell, and the corner of a sheet, pushed through a pinned sheet.
+    // A spike that is thinner than a cell.
     let spike = [Vec3::new(-0.02, -0.3, 0.0), Vec3::new(0.02, -0.3, 0.0), Vec3::ZERO];
     for speed in [1.0, 10.0, 50.0] {
         let shape = Shape::triangle_mesh(&spike, &[0, 1, 2], 0.004).unwrap();
@@ -279,8 +272,6 @@ fn a_needle_of_a_mesh_does_not_slip_through_between_particles() {
             cloth.contacts.set_colliders([cloth_solver::contact::Collider { shape: shape.clone(), motion, friction: 0.3 }]);
             cloth.step(TICK, Vec3::ZERO);
             at = next;
-            let depth = deepest(&cloth, &shape, Quat::IDENTITY);
-            let _ = depth;
             let tip = Vec3::Y * at;
             let through = cloth.topology.triangles.iter().any(|t| {
                 passes(t.map(|slot| cloth.particles.position.get(slot as usize)), tip, tip - Vec3::Y * 0.25)
@@ -294,15 +285,12 @@ fn a_needle_of_a_mesh_does_not_slip_through_between_particles() {
 fn a_hundred_thousand_triangles_cost_little_more_than_a_thousand_of_the_same_size_near_the_cloth() {
     let mut taken = Vec::new();
     for (size, cells) in [(2.0, 22), (20.0, 224)] {
-        let start = Instant::now();
         let shape = ridges(size, cells, 0.02);
-        let made = start.elapsed().as_secs_f64();
         let mut cloth = laid(&shape, Quat::IDENTITY, 0.1);
         run(&mut cloth, 0.5);
         let start = Instant::now();
         run(&mut cloth, 1.0);
         taken.push(start.elapsed().as_secs_f64() / 60.0);
-        println!("{} triangles: made in {:.1} ms, {:.2} ms a tick", 2 * cells * cells, 1e3 * made, 1e3 * taken[taken.len() - 1]);
     }
     // Twice leaves room for a machine that is busy with other work.
     assert!(taken[1] < 2.0 * taken[0], "{taken:?} s a tick");

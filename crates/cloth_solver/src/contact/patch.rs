@@ -21,6 +21,9 @@ const STAGE: f32 = 0.125;
 /// The same of solids with corners and edges, near which the way out is short: at a quarter of the radius an apex passes.
 const STAGE_OF_EDGES: f32 = 0.03;
 
+/// The same of walls of triangles, through the middle of which particles, corners and folds are held back.
+const STAGE_OF_WALLS: f32 = 0.5;
+
 /// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
 const MOST_STAGES: f32 = 500.0;
 
@@ -67,6 +70,7 @@ pub(super) fn longest_stage(shape: &Shape) -> f32 {
     match shape.solid() {
         // What is rounded is as good to pass as a ball of that radius.
         Some((hull, rounding)) => (STAGE_OF_EDGES * hull.inner_radius).max(STAGE * rounding),
+        None if shape.mesh().is_some() => STAGE_OF_WALLS * shape.inner_radius(),
         None => STAGE * shape.inner_radius(),
     }
 }

@@ -107,12 +107,15 @@ mod tests {
         mask != 0
     }
 
-    fn shapes() -> [Shape; 5] {
+    fn shapes() -> [Shape; 8] {
         [
             Shape::sphere(0.5).unwrap(),
             Shape::capsule(0.3, 1.0).unwrap(),
             Shape::cuboid(Vec3::new(0.4, 1.0, 0.7)).unwrap(),
             Shape::pyramid(Vec2::new(0.8, 1.0), 0.9).unwrap(),
+            Shape::cylinder(0.4, 0.8).unwrap(),
+            Shape::cone(0.5, 0.9).unwrap(),
+            Shape::ellipsoid(Vec3::new(0.3, 0.6, 0.4)).unwrap(),
             Shape::HalfSpace,
         ]
     }

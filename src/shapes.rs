@@ -36,8 +36,9 @@ fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
             .then(|| Capsule3d::new(radius, length).mesh().longitudes(48).latitudes(24).build()),
         ClothCollider::Cuboid { size } => positive(&size.to_array()).then(|| Cuboid::from_size(size).mesh().build()),
         ClothCollider::Pyramid { base, height } => positive(&[base.x, base.y, height]).then(|| pyramid(base, height)),
-        ClothCollider::Ellipsoid { radii } => positive(&radii.to_array())
-            .then(|| Sphere::new(1.0).mesh().uv(64, 40).scaled_by(radii)),
+        ClothCollider::Ellipsoid { radii } => {
+            positive(&radii.to_array()).then(|| Sphere::new(1.0).mesh().uv(64, 40).scaled_by(radii))
+        }
         ClothCollider::Cylinder { radius, height } => {
             positive(&[radius, height]).then(|| Cylinder::new(radius, height).mesh().resolution(64).build())
         }

@@ -64,7 +64,10 @@ fn a_sphere_under_a_scale_that_differs_between_its_axes_is_an_ellipsoid() {
 
 #[test]
 fn solids_take_the_scale_of_their_transform() {
-    holds((ClothCollider::Cylinder { radius: 0.1, height: 0.1 }, Transform::from_scale(Vec3::new(2.0, 3.0, 2.0))), 0.15);
+    holds(
+        (ClothCollider::Cylinder { radius: 0.1, height: 0.1 }, Transform::from_scale(Vec3::new(2.0, 3.0, 2.0))),
+        0.15,
+    );
     let points = [Vec3::NEG_Y, Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z].to_vec();
     holds((ClothCollider::Hull { points }, Transform::from_scale(Vec3::splat(0.2))), 0.2);
     // Upside down its pit is a hill.
@@ -90,7 +93,8 @@ fn a_mesh_holds_cloth_from_when_it_is_loaded() {
     assert!(seen::<ColliderRejected>(&app).is_empty(), "waiting is nothing wrong");
 
     // It follows a change of the mesh.
-    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&handle).unwrap() = sheet(0.01).translated_by(Vec3::X * 9.0);
+    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&handle).unwrap() =
+        sheet(0.01).translated_by(Vec3::X * 9.0);
     run(&mut app, 64);
     assert!(top(&app, cloth) < -0.5, "the cloth lies on the mesh as it was");
 }
@@ -104,7 +108,10 @@ fn a_mesh_without_triangles_is_refused() {
     let collider = app.world_mut().spawn((ClothCollider::Mesh { thickness: 0.01 }, Mesh3d(handle))).id();
     run(&mut app, 3);
     let told = seen::<ColliderRejected>(&app);
-    assert!(told.len() == 1 && told[0].entity == collider && told[0].error.to_string().contains("LineList"), "{told:?}");
+    assert!(
+        told.len() == 1 && told[0].entity == collider && told[0].error.to_string().contains("LineList"),
+        "{told:?}"
+    );
 }
 
 #[test]

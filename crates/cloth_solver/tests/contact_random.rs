@@ -175,7 +175,9 @@ fn strike(kind: Thing, sheet_kind: Sheet, is_mesh: bool, seed: u64) -> (f32, Out
     let (shape, core) = thing(kind, &mut dice);
     let rotation = match kind {
         // Tip first, or edge first, more or less.
-        Thing::Apex | Thing::Cone => Quat::from_rotation_arc(Vec3::Y, Vec3::NEG_Z) * Quat::from_axis_angle(dice.direction(), 0.3),
+        Thing::Apex | Thing::Cone => {
+            Quat::from_rotation_arc(Vec3::Y, Vec3::NEG_Z) * Quat::from_axis_angle(dice.direction(), 0.3)
+        }
         _ => Quat::from_axis_angle(dice.direction(), dice.between(0.0, 3.0)),
     };
     let spin = dice.direction() * dice.between(0.0, 3.0);

@@ -171,7 +171,7 @@ fn hold_back_one<const N: usize>(
     if is_beyond(patch, corners, margin) || !passes(now) || passes(before) {
         return false;
     }
-    corners.into_iter().fold(false, |holds, corner| put_back(patch, corner) || holds)
+    corners.map(|corner| put_back(patch, corner)).contains(&true)
 }
 
 /// Whether all of these are beyond a plane that the whole collider is on the other side of.

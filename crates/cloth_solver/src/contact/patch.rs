@@ -109,7 +109,8 @@ impl Patch {
         h: f32,
     ) -> Found {
         let (frames, slots) = (poses.map(Frame::new), &part.slots[..]);
-        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, (shape, part), frames, h));
+        let (farthest, nearest) =
+            dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, (shape, part), frames, h));
         // Nothing to do if no edge is as long as the nearest particle is away.
         if nearest - farthest > answer.margin + part.longest {
             return Found::default();

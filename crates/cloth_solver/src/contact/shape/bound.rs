@@ -80,11 +80,8 @@ fn from_box<S: Simd>(simd: S, p: Vec3x8<S>, half: Vec3) -> (f32x8<S>, Vec3x8<S>)
     let (length, height) = (away.length(), over.x.max(over.y).max(over.z));
     let is_x = over.x.simd_ge(height);
     let is_y = over.y.simd_ge(height) & !is_x;
-    let side = Vec3x8 {
-        x: is_x.select(sign.x, zero),
-        y: is_y.select(sign.y, zero),
-        z: (is_x | is_y).select(zero, sign.z),
-    };
+    let side =
+        Vec3x8 { x: is_x.select(sign.x, zero), y: is_y.select(sign.y, zero), z: (is_x | is_y).select(zero, sign.z) };
     let outside = length.simd_gt(splat(simd, f32::MIN_POSITIVE));
     let outward = Vec3x8 { x: away.x * sign.x, y: away.y * sign.y, z: away.z * sign.z } * (one / length);
     (outside.select(length, height), select(outside, outward, side))

@@ -93,7 +93,9 @@ impl Curved {
 
     pub(super) fn bounding_radius(&self) -> f32 {
         match self.form {
-            Form::Cylinder { radius, half_height } | Form::Cone { radius, half_height } => hypotenuse(radius, half_height),
+            Form::Cylinder { radius, half_height } | Form::Cone { radius, half_height } => {
+                hypotenuse(radius, half_height)
+            }
             Form::Ellipsoid { half } => half.max_element(),
             Form::RoundedCuboid { core, radius } => core.length() + radius,
         }
@@ -130,7 +132,11 @@ impl Curved {
                 let along = slant.dot(from_apex) / length;
                 match () {
                     () if below <= 0.0 && out <= 0.0 => {
-                        if out >= below { (out, outward) } else { (below, Vec2::NEG_Y) }
+                        if out >= below {
+                            (out, outward)
+                        } else {
+                            (below, Vec2::NEG_Y)
+                        }
                     }
                     () if below > 0.0 && rho <= radius => (below, Vec2::NEG_Y),
                     () if along <= 0.0 => from_corner(from_apex),

@@ -18,9 +18,8 @@ impl ConvexHull {
     pub(super) fn from_faces(corners: &[Vec3], faces: &[Face]) -> Self {
         let at = |i: u32| corners[i as usize].as_dvec3();
         // Twice the area vector of a face is the sum of those of its triangles.
-        let area = |face: &Face| -> DVec3 {
-            face.iter().map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a))).sum()
-        };
+        let area =
+            |face: &Face| -> DVec3 { face.iter().map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a))).sum() };
         let normals: Vec<Vec3> = faces.iter().map(|face| area(face).normalize_or_zero().as_vec3()).collect();
         let offset = |n: &Vec3| corners.iter().map(|c| n.as_dvec3().dot(c.as_dvec3())).fold(f64::MIN, f64::max) as f32;
         let planes: Vec<(Vec3, f32)> = normals.iter().map(|n| (*n, offset(n))).collect();

@@ -107,7 +107,7 @@ impl TriangleMesh {
     /// See [`super::Shape::distance_and_normal`]; inside, the way out on the side where `p` is.
     pub(super) fn distance_and_normal(&self, p: Vec3) -> (f32, Vec3) {
         match self.nearest(p, f32::MAX) {
-            Some(triangle) => self.from_triangle(triangle, p),
+            Some(triangle) => self.to_triangle(triangle, p),
             // Too far off for the square of a distance.
             None => (f32::MAX, p.normalize_or(Vec3::Y)),
         }
@@ -115,7 +115,7 @@ impl TriangleMesh {
 
     /// Signed distance from the surface where `p` is inside; outside infinite.
     pub(super) fn depth(&self, p: Vec3) -> f32 {
-        self.nearest(p, self.half_thickness).map_or(f32::INFINITY, |triangle| self.from_triangle(triangle, p).0)
+        self.nearest(p, self.half_thickness).map_or(f32::INFINITY, |triangle| self.to_triangle(triangle, p).0)
     }
 
     /// Of those `triangles` the nearest to `p`: signed distance from the surface around it, `bound` m at most, and its normal.
@@ -125,7 +125,7 @@ impl TriangleMesh {
             let ball = self.balls[triangle as usize];
             let reach = nearest.0 + self.half_thickness + ball.w;
             if ball.truncate().distance_squared(p) < reach * reach {
-                let found = self.from_triangle(triangle, p);
+                let found = self.to_triangle(triangle, p);
                 nearest = if found.0 < nearest.0 { found } else { nearest };
             }
         }
@@ -133,11 +133,11 @@ impl TriangleMesh {
     }
 
     fn nearest(&self, p: Vec3, reach: f32) -> Option<u32> {
-        self.tree.nearest(p, reach, |triangle| self.from_triangle(triangle, p).0 + self.half_thickness)
+        self.tree.nearest(p, reach, |triangle| self.to_triangle(triangle, p).0 + self.half_thickness)
     }
 
     /// Signed distance and normal of the wall along one triangle.
-    fn from_triangle(&self, triangle: u32, p: Vec3) -> (f32, Vec3) {
+    fn to_triangle(&self, triangle: u32, p: Vec3) -> (f32, Vec3) {
         let corners = self.corners(triangle);
         let normal = self.normals[triangle as usize];
         let height = normal.dot(p - corners[0]);
@@ -167,7 +167,7 @@ impl TriangleMesh {
     pub(crate) fn add_triangles(&self, p: Vec3, reach: f32, found: &mut Vec<u32>) {
         let around = Vec3::splat(reach + self.half_thickness);
         self.tree.for_each_in(p - around, p + around, |triangle| {
-            if self.from_triangle(triangle, p).0 <= reach {
+            if self.to_triangle(triangle, p).0 <= reach {
                 found.push(triangle);
             }
         });

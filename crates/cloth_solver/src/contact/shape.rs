@@ -11,15 +11,15 @@ mod curved;
 mod ellipsoid;
 mod faces;
 mod hull;
+mod mesh;
 pub(crate) mod segment;
 #[cfg(feature = "parry")]
 mod solids;
-mod surface;
 mod tree;
 
 pub use curved::{Curved, Form};
 pub use hull::ConvexHull;
-pub use surface::TriangleMesh;
+pub use mesh::TriangleMesh;
 
 /// The form of a collider, in its own frame, m.
 #[derive(Clone, Debug, PartialEq)]

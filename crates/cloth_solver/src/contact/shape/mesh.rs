@@ -13,8 +13,7 @@ const FLAT: f32 = 0.9994;
 /// No edge.
 const NONE: u32 = u32::MAX;
 
-/// A wall along the triangles of a mesh. Its feature `parry` makes them: [`Shape::triangle_mesh`](super::Shape::triangle_mesh) and
-/// [`Shape::height_field`](super::Shape::height_field).
+/// A wall along the triangles of a mesh. With the feature `parry`, `Shape::triangle_mesh` and `Shape::height_field` make one.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     /// Corners of the triangles, each once, m.

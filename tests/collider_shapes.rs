@@ -16,7 +16,7 @@ fn flat(height: f32) -> impl Bundle {
     (Cloth::rectangle(0.3, 0.3).with_cells(8, 8), Air::default(), flat)
 }
 
-/// The lowest and the highest point of the cloth over the middle of whatever it lies on, m.
+/// How high the highest point of the cloth is, m.
 fn top(app: &App, cloth: Entity) -> f32 {
     world_positions(app, cloth).iter().map(|x| x.y).fold(f32::NEG_INFINITY, f32::max)
 }
@@ -131,7 +131,6 @@ fn a_solid_of_several_children_moves_with_its_parent() {
     run(&mut app, 8);
     let now = centre(&app, cloth);
     assert!((0.39..0.43).contains(&now.y) && now.x > 0.05, "the cloth stayed behind at {now}");
-    // Turned upside down with what is on top of it, its other parts are above.
     app.world_mut().despawn(parent);
     run(&mut app, 64);
     assert!(centre(&app, cloth).y < 0.0, "the children are gone with their parent");

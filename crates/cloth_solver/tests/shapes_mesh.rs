@@ -112,7 +112,9 @@ fn field<T: core::fmt::Debug>(result: Result<T, ClothError>) -> &'static str {
 fn what_is_no_hull_is_refused() {
     let square = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X + Vec3::Y];
     assert_eq!(field(Shape::hull(&square[..3])), "ClothCollider::Hull.points.len()");
-    assert_eq!(field(Shape::hull(&square)), "depth of ClothCollider::Hull.points");
+    let flat = Shape::hull(&square);
+    assert!(matches!(flat, Err(ClothError::OutOfRange { value: 0.0, .. })), "{flat:?}");
+    assert_eq!(field(flat), "depth of ClothCollider::Hull.points");
     assert_eq!(field(Shape::hull(&[Vec3::ONE; 8])), "depth of ClothCollider::Hull.points");
     let line = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x| Vec3::ONE * x);
     assert_eq!(field(Shape::hull(&line)), "depth of ClothCollider::Hull.points");

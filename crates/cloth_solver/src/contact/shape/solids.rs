@@ -39,9 +39,10 @@ impl Shape {
         let merged = merge(&corners, &triangles, tolerance);
         ClothError::check(faces, merged.len() as f32, 0.0..=MAX_FACES as f32, "4..=256; leave out points")?;
         let mut hull = ConvexHull::from_faces(&corners, &merged);
-        let is_thick = f64::from(hull.inner_radius) > tolerance;
-        if merged.len() < 4 || !is_thick {
-            return Err(is_flat(hull.inner_radius.max(0.0)));
+        // What has no volume has no middle to measure from.
+        let thickness = if hull.inner_radius.is_finite() { hull.inner_radius.max(0.0) } else { 0.0 };
+        if merged.len() < 4 || f64::from(thickness) <= tolerance {
+            return Err(is_flat(thickness));
         }
         // What was so near to a face that it was taken for a point of it lies inside, too.
         for (normal, offset) in &mut hull.planes {

@@ -1,7 +1,7 @@
 //! The visible body of each collider, kept in step with its shape.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::PrimitiveTopology;
+use bevy::mesh::{PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_cloth::ClothCollider;
 
@@ -26,7 +26,7 @@ fn shape_colliders(
     }
 }
 
-/// The surface of a bounded primitive collider; `None` for ground and free convex shapes, and for sizes that are not
+/// The surface of a bounded primitive collider; `None` for ground, free shapes and meshes, and for sizes that are not
 /// positive, which the cloth refuses, too.
 fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
     let positive = |sizes: &[f32]| sizes.iter().all(|size| size.is_finite() && *size > 0.0);
@@ -36,8 +36,37 @@ fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
             .then(|| Capsule3d::new(radius, length).mesh().longitudes(48).latitudes(24).build()),
         ClothCollider::Cuboid { size } => positive(&size.to_array()).then(|| Cuboid::from_size(size).mesh().build()),
         ClothCollider::Pyramid { base, height } => positive(&[base.x, base.y, height]).then(|| pyramid(base, height)),
-        ClothCollider::Convex { .. } | ClothCollider::Ground => None,
+        ClothCollider::Ellipsoid { radii } => {
+            positive(&radii.to_array()).then(|| Sphere::new(1.0).mesh().uv(64, 40).scaled_by(radii))
+        }
+        ClothCollider::Cylinder { radius, height } => {
+            positive(&[radius, height]).then(|| Cylinder::new(radius, height).mesh().resolution(64).build())
+        }
+        ClothCollider::Cone { radius, height } => {
+            positive(&[radius, height]).then(|| Cone::new(radius, height).mesh().resolution(64).build())
+        }
+        ClothCollider::RoundedCuboid { size, radius } => {
+            let core = size / 2.0 - radius;
+            positive(&[core.min_element(), radius]).then(|| rounded(core, radius))
+        }
+        // A mesh is its own body.
+        ClothCollider::Convex { .. }
+        | ClothCollider::Hull { .. }
+        | ClothCollider::HeightField { .. }
+        | ClothCollider::Mesh { .. }
+        | ClothCollider::Ground => None,
     }
+}
+
+/// A box of half its edges, and all that is no farther than `radius`: a ball taken apart at its middle along each axis.
+fn rounded(core: Vec3, radius: f32) -> Mesh {
+    let mut mesh = Sphere::new(radius).mesh().uv(63, 39);
+    if let Some(VertexAttributeValues::Float32x3(positions)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) {
+        for place in positions {
+            *place = (Vec3::from_array(*place) + core * Vec3::ONE.copysign(Vec3::from_array(*place))).to_array();
+        }
+    }
+    mesh
 }
 
 /// A pyramid centred at half its height, with flat faces.

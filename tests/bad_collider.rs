@@ -77,11 +77,37 @@ fn a_convex_solid_with_a_normal_of_no_length() {
 }
 
 #[test]
-fn a_ball_scaled_differently_along_its_axes() {
-    let ball = ClothCollider::Sphere { radius: 0.25 };
+fn a_capsule_scaled_differently_along_its_axes() {
+    let capsule = ClothCollider::Capsule { radius: 0.2, length: 0.1 };
     let bad = below(0.5).with_scale(Vec3::new(2.0, 1.0, 2.0));
     let good = below(0.5).with_scale(Vec3::splat(2.0));
-    refused_until_mended((ball, bad), good, &["Transform::scale", "1", "same on all axes"]);
+    refused_until_mended((capsule, bad), good, &["Transform::scale", "1", "same on all axes"]);
+}
+
+#[test]
+fn a_cylinder_scaled_differently_across_its_axis() {
+    let cylinder = ClothCollider::Cylinder { radius: 0.25, height: 0.5 };
+    let bad = below(0.5).with_scale(Vec3::new(2.0, 2.0, 1.0));
+    let good = below(0.5).with_scale(Vec3::new(2.0, 2.0, 2.0));
+    refused_until_mended((cylinder, bad), good, &["Transform::scale", "1", "same along x and z"]);
+}
+
+#[test]
+fn a_hull_of_points_in_one_plane() {
+    let square = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z];
+    let points = square.into_iter().flat_map(|p| [p - 0.5, p - 0.5 + Vec3::Y]).collect();
+    let good = ClothCollider::Hull { points };
+    let bad = ClothCollider::Hull { points: square.to_vec() };
+    refused_until_mended(bad, (good, below(0.5)), &["depth of ClothCollider::Hull.points", "0", "allowed"]);
+}
+
+#[test]
+fn a_height_field_with_a_height_too_few() {
+    let field = |count| {
+        let (size, cells) = (Vec2::ONE, UVec2::new(2, 3));
+        ClothCollider::HeightField { size, cells, heights: vec![0.0; count], thickness: 0.1 }
+    };
+    refused_until_mended(field(11), (field(12), below(0.1)), &["heights.len()", "11", "(cells.x + 1) * (cells.y + 1)"]);
 }
 
 #[test]

@@ -176,6 +176,10 @@ fn shape(collider: &SceneCollider) -> ClothCollider {
         SceneShape::Capsule { radius, length } => ClothCollider::Capsule { radius, length },
         SceneShape::Cuboid { size } => ClothCollider::Cuboid { size },
         SceneShape::Pyramid { base, height } => ClothCollider::Pyramid { base, height },
+        SceneShape::Ellipsoid { radii } => ClothCollider::Ellipsoid { radii },
+        SceneShape::Cylinder { radius, height } => ClothCollider::Cylinder { radius, height },
+        SceneShape::Cone { radius, height } => ClothCollider::Cone { radius, height },
+        SceneShape::RoundedCuboid { size, radius } => ClothCollider::RoundedCuboid { size, radius },
         SceneShape::Ground => ClothCollider::Ground,
     }
 }
@@ -231,6 +235,11 @@ fn half_extent(shape: &SceneShape) -> Option<Vec3> {
         SceneShape::Capsule { radius, length } => Some(Vec3::new(radius, radius + length / 2.0, radius)),
         SceneShape::Cuboid { size } => Some(size / 2.0),
         SceneShape::Pyramid { base, height } => Some(Vec3::new(base.x, height, base.y) / 2.0),
+        SceneShape::Ellipsoid { radii } => Some(radii),
+        SceneShape::Cylinder { radius, height } | SceneShape::Cone { radius, height } => {
+            Some(Vec3::new(radius, height / 2.0, radius))
+        }
+        SceneShape::RoundedCuboid { size, .. } => Some(size / 2.0),
         SceneShape::Ground => None,
     }
 }

@@ -6,19 +6,43 @@ use crate::prepare::ColliderState;
 
 /// A solid that no cloth can enter, placed by its entity's [`Transform`].
 ///
-/// A uniform scale of the transform multiplies all sizes. Cuboid, pyramid and convex solid take a scale that differs
-/// between the axes too; for sphere and capsule such a scale is an error, told by
-/// [`ColliderRejected`](crate::ColliderRejected). A collider that moves carries the cloth with it: its pose is
+/// A uniform scale of the transform multiplies all sizes but the thickness of a height field or a mesh. A scale that differs
+/// between the axes makes an ellipsoid of a sphere; for a capsule it is an error, and for cylinder and cone if it differs
+/// between x and z. Whatever is wrong is reported by [`ColliderRejected`](crate::ColliderRejected), and the collider stays out of the
+/// simulation until it is changed.
+///
+/// A solid of several parts is an entity with children that each have a `ClothCollider`: they move with their parent.
+///
+/// A collider that moves carries the cloth with it: its pose is
 /// interpolated over the substeps of a tick, and over the ticks of a frame if it is moved once a frame. A move of more than
 /// 0.75 m in one tick is a jump: it is there at once, and sweeps nothing along.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[require(Transform, ColliderState)]
 pub enum ClothCollider {
-    /// A ball around the entity's origin.
+    /// A ball around the entity's origin; with a scale that differs between the axes an ellipsoid.
     Sphere {
         /// Radius, m; 0.0001 to 10,000.
         radius: f32,
+    },
+    /// An ellipsoid around the entity's origin.
+    Ellipsoid {
+        /// Semi-axes along x, y and z, m, each 0.0001 to 10,000.
+        radii: Vec3,
+    },
+    /// A cylinder along the entity's y axis, centred on its origin.
+    Cylinder {
+        /// Radius, m; 0.0001 to 10,000.
+        radius: f32,
+        /// Height along y, m; 0.0001 to 10,000.
+        height: f32,
+    },
+    /// A cone along the entity's y axis, apex up, centred on its origin at half its height.
+    Cone {
+        /// Radius of the base, m; 0.0001 to 10,000.
+        radius: f32,
+        /// Height along y, m; 0.0001 to 10,000.
+        height: f32,
     },
     /// A cylinder along the entity's y axis with half a ball at each end.
     Capsule {
@@ -32,6 +56,14 @@ pub enum ClothCollider {
         /// Edge lengths, m.
         size: Vec3,
     },
+    /// A box with rounded edges, centred on the entity's origin.
+    RoundedCuboid {
+        /// Overall edge lengths, m, each 0.0001 to 10,000.
+        size: Vec3,
+        /// Radius of the edges, m; 0.0001 or more, and less than half the shortest edge. A scale that differs between the axes
+        /// multiplies it by the smallest of its factors.
+        radius: f32,
+    },
     /// A pyramid on a rectangular base, apex up, centred on the entity's origin at half its height.
     Pyramid {
         /// Edge lengths of the base along x and z, m.
@@ -44,7 +76,37 @@ pub enum ClothCollider {
         /// Outward normals (x, y, z, of any length but 0) and offsets (w, in units of that length), m.
         planes: Vec<Vec4>,
     },
-    /// Solid ground: everything below the entity's xz plane. Takes no notice of scale.
+    /// The convex hull of points: the smallest convex solid that holds them.
+    Hull {
+        /// At least four points that do not lie in one plane, m, within 10,000 m of the origin. Those inside the solid cost nothing.
+        /// The solid may have 256 faces.
+        points: Vec<Vec3>,
+    },
+    /// A height field centred on the entity's origin: a wall along it, solid within half its thickness above and below.
+    ///
+    /// For ground that stays where it is. It may jump (a move of more than 0.75 m in one tick) or move slowly; what moves it fast costs
+    /// much.
+    HeightField {
+        /// Extent along x and z, m, each 0.0001 to 10,000.
+        size: Vec2,
+        /// Number of cells along x and along z, each 1 to 4096.
+        cells: UVec2,
+        /// Heights along y, m, of the corners of the cells: `(cells.x + 1) * (cells.y + 1)`, x first, from −x and −z on; within
+        /// ±10,000.
+        heights: Vec<f32>,
+        /// Thickness of the wall, m; 0.001 to 10. Cloth that gets to the other side of its middle stays there. Ignores scale.
+        thickness: f32,
+    },
+    /// The triangles of the entity's own [`Mesh3d`], which may load later; until then nothing is in the way. A wall along them, solid
+    /// within half its thickness on both sides: no solid, even if the mesh is closed.
+    ///
+    /// For scenery that stays where it is, of any number of triangles: what is not near a cloth costs nothing. It may jump or move
+    /// slowly, as a height field may. The mesh must be a list of triangles kept in the main world. It is read again when it is modified.
+    Mesh {
+        /// Thickness of the wall, m; 0.001 to 10. The thicker, the cheaper it is for cloth that moves fast. Ignores scale.
+        thickness: f32,
+    },
+    /// Solid ground: everything below the entity's xz plane. Ignores scale.
     Ground,
 }
 

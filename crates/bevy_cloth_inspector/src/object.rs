@@ -47,13 +47,21 @@ pub fn show(ui: &mut egui::Ui, world: &mut World) {
 }
 
 /// The kinds of shape that can be chosen, each of about the size that `collider` has.
-fn kinds(collider: &ClothCollider) -> [ClothCollider; 4] {
+fn kinds(collider: &ClothCollider) -> [ClothCollider; 8] {
     let size = match *collider {
         ClothCollider::Sphere { radius } => Vec3::splat(2.0 * radius),
         ClothCollider::Capsule { radius, length } => Vec3::new(2.0 * radius, length + 2.0 * radius, 2.0 * radius),
-        ClothCollider::Cuboid { size } => size,
+        ClothCollider::Ellipsoid { radii } => 2.0 * radii,
+        ClothCollider::Cylinder { radius, height } | ClothCollider::Cone { radius, height } => {
+            Vec3::new(2.0 * radius, height, 2.0 * radius)
+        }
+        ClothCollider::Cuboid { size } | ClothCollider::RoundedCuboid { size, .. } => size,
         ClothCollider::Pyramid { base, height } => Vec3::new(base.x, height, base.y),
-        ClothCollider::Convex { .. } | ClothCollider::Ground => Vec3::splat(0.5),
+        ClothCollider::Convex { .. }
+        | ClothCollider::Hull { .. }
+        | ClothCollider::HeightField { .. }
+        | ClothCollider::Mesh { .. }
+        | ClothCollider::Ground => Vec3::splat(0.5),
     };
     let radius = size.x.min(size.z) / 2.0;
     [
@@ -61,6 +69,10 @@ fn kinds(collider: &ClothCollider) -> [ClothCollider; 4] {
         ClothCollider::Capsule { radius, length: (size.y - 2.0 * radius).max(radius) },
         ClothCollider::Cuboid { size },
         ClothCollider::Pyramid { base: size.xz(), height: size.y },
+        ClothCollider::Ellipsoid { radii: size / 2.0 },
+        ClothCollider::Cylinder { radius, height: size.y },
+        ClothCollider::Cone { radius, height: size.y },
+        ClothCollider::RoundedCuboid { size, radius: size.min_element() / 8.0 },
     ]
 }
 
@@ -70,7 +82,14 @@ fn kind_name(collider: &ClothCollider) -> &'static str {
         ClothCollider::Capsule { .. } => "capsule",
         ClothCollider::Cuboid { .. } => "cuboid",
         ClothCollider::Pyramid { .. } => "pyramid",
+        ClothCollider::Ellipsoid { .. } => "ellipsoid",
+        ClothCollider::Cylinder { .. } => "cylinder",
+        ClothCollider::Cone { .. } => "cone",
+        ClothCollider::RoundedCuboid { .. } => "rounded cuboid",
         ClothCollider::Convex { .. } => "convex solid",
+        ClothCollider::Hull { .. } => "hull of points",
+        ClothCollider::HeightField { .. } => "height field",
+        ClothCollider::Mesh { .. } => "triangle mesh",
         ClothCollider::Ground => "ground",
     }
 }
@@ -107,6 +126,31 @@ fn shape(ui: &mut egui::Ui, collider: &mut ClothCollider) {
             let planes = planes.len();
             widgets::row(ui, "planes", "", |ui| ui.label(planes.to_string()));
         }
+        ClothCollider::Ellipsoid { radii } => {
+            widgets::row(ui, "radii", "Along x, y and z, m.", |ui| {
+                widgets::numbers(ui, radii.as_mut(), Unit { name: "", ..Unit::METRES });
+            });
+        }
+        ClothCollider::Cylinder { radius, height } | ClothCollider::Cone { radius, height } => {
+            length("radius", "", radius);
+            length("height", "", height);
+        }
+        ClothCollider::RoundedCuboid { size, radius } => {
+            length("edge radius", "", radius);
+            widgets::row(ui, "size", "Along x, y and z, m.", |ui| {
+                widgets::numbers(ui, size.as_mut(), Unit { name: "", ..Unit::METRES });
+            });
+        }
+        ClothCollider::Hull { points } => {
+            let points = points.len();
+            widgets::row(ui, "points", "", |ui| ui.label(points.to_string()));
+        }
+        ClothCollider::HeightField { cells, thickness, .. } => {
+            length("thickness", "Of the wall along the surface.", thickness);
+            let cells = *cells;
+            widgets::row(ui, "cells", "", |ui| ui.label(format!("{} × {}", cells.x, cells.y)));
+        }
+        ClothCollider::Mesh { thickness } => length("thickness", "Of the wall along the triangles.", thickness),
         ClothCollider::Ground => {}
     }
 }

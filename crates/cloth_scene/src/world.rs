@@ -130,6 +130,10 @@ pub(crate) fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> 
         SceneShape::Capsule { radius, length } => Shape::capsule(radius, length)?,
         SceneShape::Cuboid { size } => Shape::cuboid(size)?,
         SceneShape::Pyramid { base, height } => Shape::pyramid(base, height)?,
+        SceneShape::Ellipsoid { radii } => Shape::ellipsoid(radii)?,
+        SceneShape::Cylinder { radius, height } => Shape::cylinder(radius, height)?,
+        SceneShape::Cone { radius, height } => Shape::cone(radius, height)?,
+        SceneShape::RoundedCuboid { size, radius } => Shape::rounded_cuboid(size, radius)?,
         SceneShape::Ground => Shape::HalfSpace,
     };
     let friction = collider.friction.unwrap_or(fabric.friction);

@@ -16,11 +16,15 @@ fn random(case: u32, which: u32) -> f32 {
 
 fn solid(case: u32, size: f32) -> (Shape, Quat) {
     let turn = |which| random(case, which) * std::f32::consts::TAU;
-    let shape = match case % 4 {
+    let shape = match case % 8 {
         0 => Shape::sphere(0.5 * size),
         1 => Shape::cuboid(Vec3::new(1.0, 0.7, 0.5) * size),
         2 => Shape::pyramid(Vec2::splat(size), size),
-        _ => Shape::capsule(0.25 * size, size),
+        3 => Shape::capsule(0.25 * size, size),
+        4 => Shape::cylinder(0.4 * size, size),
+        5 => Shape::cone(0.5 * size, size),
+        6 => Shape::ellipsoid(Vec3::new(0.6, 0.4, 0.3) * size),
+        _ => Shape::rounded_cuboid(Vec3::new(1.0, 0.7, 0.5) * size, 0.05 * size),
     };
     (shape.unwrap(), Quat::from_euler(glam::EulerRot::XYZ, turn(1), turn(2), turn(3)))
 }
@@ -37,7 +41,7 @@ fn deepest_middle(cloth: &Cloth, shape: &Shape, (at, rotation): (Vec3, Quat)) ->
 
 #[test]
 fn cloth_spawned_in_a_solid_leaves_it_whole_and_slowly_and_rests() {
-    for case in 0..9 {
+    for case in 0..10 {
         let size = 0.2 + 0.2 * random(case, 0);
         let (shape, rotation) = solid(case, size);
         let at = Vec3::new(random(case, 4) - 0.5, random(case, 5) - 0.7, 0.2 * (random(case, 6) - 0.5)) * 0.5;

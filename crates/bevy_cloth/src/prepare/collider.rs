@@ -2,11 +2,16 @@
 
 use std::cmp::Ordering;
 
+use bevy::ecs::query::QueryData;
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::contact::{Collider, Contacts, Shape};
 use cloth_solver::{ClothError, Fabric, Motion, Pose};
 
+use super::DrawnMesh;
+use super::authored::user_mesh;
 use super::build::not_finite;
+use super::collider_shape::{SCALE_TOLERANCE, shape};
 use super::placement::{Placement, Placements};
 use super::{Follow, StepPlan, relative};
 use crate::cloth::ClothFrame;
@@ -16,9 +21,6 @@ use crate::report::report;
 use crate::sleep::{ClothAsleep, Disturbances};
 use crate::step::ClothTick;
 use crate::teleport::{Teleport, TeleportPolicy};
-
-/// A scale that changes by less than this part of itself is the same scale.
-const SCALE_TOLERANCE: f32 = 1e-4;
 
 /// From where on the move of a collider is a jump. However fast it turns, that is motion.
 const JUMP: Teleport = Teleport { distance: 0.75, angle: f32::INFINITY, policy: TeleportPolicy::CarryAlong };
@@ -30,6 +32,10 @@ pub(crate) struct ColliderState {
     seen: Option<(ClothCollider, Vec3)>,
     friction: Option<ColliderFriction>,
     shape: Option<Shape>,
+    /// The mesh that it is made from.
+    mesh: Option<AssetId<Mesh>>,
+    /// That mesh is not there yet.
+    waits_for_mesh: bool,
     /// Where it stood at the last tick, and where it is on its way to, once it was seen.
     pub follow: Option<Follow>,
     /// Its transform was not finite when last looked at.
@@ -38,13 +44,42 @@ pub(crate) struct ColliderState {
     changed: bool,
 }
 
+/// The mesh of an entity, past the one that a cloth draws there.
+#[derive(QueryData)]
+pub(crate) struct OwnMesh {
+    mesh: Option<&'static Mesh3d>,
+    drawn: Option<&'static DrawnMesh>,
+}
+
+impl OwnMeshItem<'_, '_> {
+    fn id(&self) -> Option<AssetId<Mesh>> {
+        user_mesh(self.mesh, self.drawn)
+    }
+}
+
 /// Makes the shapes of colliders that are new or changed.
 pub(crate) fn build(
-    mut colliders: Query<(Entity, Ref<ClothCollider>, Option<Ref<ColliderFriction>>, &mut ColliderState)>,
+    mut colliders: Query<(Entity, Ref<ClothCollider>, Option<Ref<ColliderFriction>>, OwnMesh, &mut ColliderState)>,
     placements: Placements,
+    meshes: Option<Res<Assets<Mesh>>>,
+    mesh_events: Option<MessageReader<AssetEvent<Mesh>>>,
+    mut modified: Local<HashSet<AssetId<Mesh>>>,
     mut commands: Commands,
 ) {
-    for (entity, collider, friction, mut state) in &mut colliders {
+    modified.clear();
+    if let Some(mut events) = mesh_events {
+        modified.extend(events.read().filter_map(|event| match event {
+            AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        }));
+    }
+    for (entity, collider, friction, own_mesh, mut state) in &mut colliders {
+        let is_mesh = matches!(*collider, ClothCollider::Mesh { .. });
+        let mesh = own_mesh.id().filter(|_| is_mesh);
+        let loaded = mesh.and_then(|id| meshes.as_deref()?.get(id));
+        let remeshed = mesh != state.mesh
+            || mesh.is_some_and(|id| modified.contains(&id))
+            || (state.waits_for_mesh && loaded.is_some());
         let placement = placements.get(entity);
         let lost = placement.filter(|placement| !placement.is_finite());
         if lost.is_some() != state.lost {
@@ -67,13 +102,18 @@ pub(crate) fn build(
             (Some(now), Some(seen)) => now.is_changed() && **now != *seen,
             (now, seen) => now.is_some() != seen.is_some(),
         };
-        if !reshaped && !rubbed {
+        if !reshaped && !rubbed && !remeshed {
             continue;
         }
         state.changed = true;
         state.seen = Some((ClothCollider::clone(&collider), scale));
         state.friction = friction.as_deref().copied();
-        let made = shape(&collider, scale).and_then(|shape| state.check_friction().map(|()| shape));
+        (state.mesh, state.waits_for_mesh) = (mesh, is_mesh && loaded.is_none());
+        if state.waits_for_mesh {
+            state.shape = None;
+            continue;
+        }
+        let made = shape(&collider, scale, loaded).and_then(|shape| state.check_friction().map(|()| shape));
         state.shape = made.as_ref().ok().cloned();
         if let Err(error) = made {
             report(&mut commands, ColliderRejected { entity, error });
@@ -86,41 +126,6 @@ impl ColliderState {
         let friction = self.friction.map_or(0.0, |friction| friction.0);
         ClothError::check("ColliderFriction", friction, 0.0..=10.0, "0..=10")
     }
-}
-
-fn shape(collider: &ClothCollider, scale: Vec3) -> Result<Shape, ClothError> {
-    let size = scale.abs();
-    match collider {
-        ClothCollider::Sphere { radius } => Shape::sphere(radius * uniform(size)?),
-        ClothCollider::Capsule { radius, length } => {
-            let factor = uniform(size)?;
-            Shape::capsule(radius * factor, length * factor)
-        }
-        ClothCollider::Cuboid { size: edges } => Shape::cuboid(*edges * size),
-        ClothCollider::Pyramid { base, height } => Shape::pyramid(*base * Vec2::new(size.x, size.z), height * size.y),
-        ClothCollider::Convex { planes } => {
-            // A point p of the scaled solid is inside where n · (p / scale) <= w.
-            let planes = planes.iter().map(|plane| scaled(*plane, scale)).collect::<Result<Vec<_>, _>>()?;
-            Shape::convex(&planes)
-        }
-        ClothCollider::Ground => Ok(Shape::HalfSpace),
-    }
-}
-
-fn uniform(scale: Vec3) -> Result<f32, ClothError> {
-    let odd = scale.to_array().into_iter().find(|axis| (axis - scale.x).abs() > SCALE_TOLERANCE * scale.x);
-    let allowed = "the same on all axes for a sphere or capsule";
-    odd.map_or(Ok(scale.x), |value| Err(ClothError::OutOfRange { field: "Transform::scale", value, allowed }))
-}
-
-fn scaled(plane: Vec4, scale: Vec3) -> Result<(Vec3, f32), ClothError> {
-    let normal = plane.truncate() / scale;
-    let length = normal.length();
-    if !(length.is_finite() && length > 0.0) {
-        let allowed = "planes with a normal that is finite and not zero";
-        return Err(ClothError::OutOfRange { field: "ClothCollider::Convex.planes", value: length, allowed });
-    }
-    Ok((normal / length, plane.w / length))
 }
 
 /// One collider in this tick, in the world.

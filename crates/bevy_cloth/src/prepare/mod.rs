@@ -4,6 +4,7 @@ mod anchors;
 mod authored;
 mod build;
 mod collider;
+mod collider_shape;
 mod follow;
 mod frame;
 mod placement;

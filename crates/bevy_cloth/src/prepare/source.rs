@@ -67,7 +67,8 @@ pub(crate) fn bounds(topology: &Topology) -> (Vec3, Vec3) {
     rest.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
 }
 
-fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
+/// Vertices under `scale` and corners of the triangles of a mesh.
+pub(super) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec3>, Vec<u32>), ClothError> {
     let not_a_list = |reason: String| ClothError::NotTriangleList { reason };
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return Err(not_a_list(format!("its primitive topology is {:?}", mesh.primitive_topology())));
@@ -91,6 +92,11 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         // Mirrored: the other side of every triangle is its front.
         indices.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
     }
+    Ok((positions, indices))
+}
+
+fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
+    let (positions, indices) = positions_and_indices(mesh, scale)?;
     let uvs: Vec<Vec2> = match mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_0) {
         Ok(Some(VertexAttributeValues::Float32x2(uvs))) => uvs.iter().map(|uv| Vec2::from_array(*uv)).collect(),
         _ => Vec::new(),

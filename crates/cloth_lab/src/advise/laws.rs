@@ -125,6 +125,9 @@ fn swept(scene: &Scene, full: &Recording) -> Option<Prediction> {
         SceneShape::Sphere { radius } | SceneShape::Capsule { radius, .. } => Some(radius),
         SceneShape::Cuboid { size } => Some(size.min_element() / 2.0),
         SceneShape::Pyramid { base, height } => Some(base.min_element().min(height) / 2.0),
+        SceneShape::Ellipsoid { radii } => Some(radii.min_element()),
+        SceneShape::Cylinder { radius, height } | SceneShape::Cone { radius, height } => Some(radius.min(height / 2.0)),
+        SceneShape::RoundedCuboid { size, .. } => Some(size.min_element() / 2.0),
         SceneShape::Ground => None,
     };
     let thinnest = scene.colliders.iter().filter_map(|collider| size(&collider.shape)).min_by(f32::total_cmp)?;

@@ -70,8 +70,12 @@ impl Arrival {
         buried - std::mem::replace(&mut self.buried, buried) > JUMP * edge.min(shape.inner_radius())
     }
 
-    /// Takes the solid away from a cloth that cannot leave it, each particle its nearest way. `true` if so.
+    /// Takes the solid away from a cloth that cannot leave it, each particle its nearest way. `true` if so. A triangle mesh, which has
+    /// no inside, stays.
     pub fn yield_to(&mut self, of: (&Topology, &Particles), shape: &Shape, [margin, edge]: [f32; 2]) -> bool {
+        if shape.mesh().is_some() {
+            return false;
+        }
         let pose = Pose { position: self.pose.position + self.offset, ..self.pose };
         let points: Vec<Vec3> = (0..of.1.slots()).map(|slot| pose.inverse_point(of.1.position.get(slot))).collect();
         let parts = is_parted(of.0, shape, &points);

@@ -1,5 +1,5 @@
 //! Triangles and edges of a cloth against what of a collider fits between particles: the centre of a ball, the axis of a capsule,
-//! the corners and edges of a convex solid.
+//! the corners and edges of a convex solid, the folds and borders of a triangle mesh.
 //!
 //! A contact acts at a point of the cloth with weights b of its corners (sum 1) along a normal n. What it lacks of the distance
 //! kept, C, is made up for by `Δx_i = w_i b_i n λ`, `λ = C / Σ w_j b_j²` (Bridson, Fedkiw, Anderson 2002): the point itself moves by C,
@@ -14,7 +14,7 @@ use super::near::Part;
 use super::nearest::{of_segments, on_triangle};
 use super::patch::Patch;
 use super::respond::{AT_ONCE, Answer};
-use super::{ConvexHull, Shape};
+use super::{ConvexHull, Shape, TriangleMesh};
 
 /// Sine of the angle below which a cloth edge and an edge of a solid are parallel and have no common normal; then particles and
 /// corners meet before they do.
@@ -62,24 +62,24 @@ impl<const N: usize> Pair<N> {
 /// One pass over the triangles and edges of `part`.
 pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answer) {
     let margin = answer.margin;
-    let keep = shape.feature_radius() + margin;
+    let (keep, solid) = (shape.feature_radius() + margin, shape.solid());
     let among = |[first, end]: [u32; 2]| &part.features[first as usize..end as usize];
     for triangle in &part.triangles {
         let (corners, near) = (triangle.corners.map(|i| i as usize), among(triangle.near));
         if is_beyond(patch, corners, margin) {
             continue;
         }
-        if let Shape::Convex(hull) = shape {
+        if let Some((hull, _)) = solid {
             let nearest = |near: &[u32], points, reach| triangle_and_corners(hull, near, points, reach);
             let inside = |points| {
-                triangle_around_corner(hull, near, points, margin)
-                    .or_else(|| triangle_over_corners(hull, near, points, margin))
+                triangle_around_corner(hull, near, points, keep)
+                    .or_else(|| triangle_over_corners(hull, near, points, keep))
             };
-            touch_solid(patch, corners, near, nearest, inside, (shape, hull), answer);
+            touch_solid(patch, corners, near, keep, (nearest, inside), (shape, hull), answer);
         } else {
             for point in near.iter().map(|which| part.points[*which as usize]) {
                 let nearest = |points, _| triangle_and_point(points, point);
-                touch_round(patch, corners, keep, nearest, shape, answer);
+                touch_round(patch, corners, keep, ([point; 2], nearest), shape, answer);
             }
         }
     }
@@ -88,14 +88,15 @@ pub(super) fn meet(patch: &mut Patch, part: &Part, shape: &Shape, answer: &Answe
         if is_beyond(patch, ends, margin) {
             continue;
         }
-        if let Shape::Convex(hull) = shape {
+        if let Some((hull, _)) = solid {
             let nearest = |near: &[u32], points, reach| edge_and_edges(hull, near, points, reach);
-            let inside = |points| edge_over_edges(hull, Some(near), points, margin);
-            touch_solid(patch, ends, near, nearest, inside, (shape, hull), answer);
+            let inside = |points| edge_over_edges(hull, Some(near), points, keep);
+            touch_solid(patch, ends, near, keep, (nearest, inside), (shape, hull), answer);
         } else {
             for axis in near.iter().map(|which| part.segments[*which as usize]) {
                 let nearest = |points, _| edge_and_segment(points, axis);
-                touch_round(patch, ends, keep, nearest, shape, answer);
+                let ends_of_box = [axis[0].min(axis[1]), axis[0].max(axis[1])];
+                touch_round(patch, ends, keep, (ends_of_box, nearest), shape, answer);
             }
         }
     }
@@ -110,17 +111,17 @@ pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f
         let mut holds = false;
         for triangle in &part.triangles {
             let points = || among(triangle.near).iter().map(|which| part.points[*which as usize]);
-            let passes = |corners: [Vec3; 3]| match shape {
-                Shape::Convex(hull) => is_cut(hull, corners),
-                _ => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
+            let passes = |corners: [Vec3; 3]| match shape.solid() {
+                Some((hull, _)) => is_cut(hull, corners),
+                None => points().any(|p| blend(on_triangle(p, corners), corners).distance(p) < core),
             };
             holds |= hold_back_one(patch, triangle.corners.map(|i| i as usize), passes, margin);
         }
         for edge in &part.edges {
             let axes = || among(edge.near).iter().map(|which| part.segments[*which as usize]);
-            let passes = |ends: [Vec3; 2]| match shape {
-                Shape::Convex(hull) => is_cut(hull, ends),
-                _ => axes().any(|axis| {
+            let passes = |ends: [Vec3; 2]| match shape.solid() {
+                Some((hull, _)) => is_cut(hull, ends),
+                None => axes().any(|axis| {
                     let [s, t] = of_segments(ends, axis);
                     ends[0].lerp(ends[1], s).distance(axis[0].lerp(axis[1], t)) < core
                 }),
@@ -131,6 +132,32 @@ pub(super) fn hold_back(patch: &mut Patch, part: &Part, shape: &Shape, margin: f
             break;
         }
     }
+}
+
+/// Puts back what particles went through the middle of a wall of triangles in this stage: in a narrow furrow pushes off one side go
+/// through the other, and a wall has no inside to lead out of.
+pub(super) fn hold_back_particles(patch: &mut Patch, part: &Part, mesh: &TriangleMesh) {
+    for number in 0..part.slots.len() {
+        let ends = [patch.before.get(number), patch.now.get(number)];
+        let passes = |triangle: &u32| is_pierced(mesh.corners(*triangle), ends);
+        if ends[0] != ends[1] && part.triangles_near(number).iter().any(passes) {
+            put_back(patch, number);
+        }
+    }
+}
+
+/// Lets a particle go with the collider through this stage; `true` if it did not already.
+fn put_back(patch: &mut Patch, number: usize) -> bool {
+    let (before, now) = (patch.before.get(number), patch.now.get(number));
+    let is_moved = patch.inverse_mass[number] > 0.0 && now != before;
+    if is_moved {
+        patch.now.set(number, before);
+        patch.shift.set(number, patch.shift.get(number) + before - now);
+        patch.way.set(number, patch.way.get(number) - patch.slip.get(number));
+        patch.slip.set(number, Vec3::ZERO);
+        patch.touched[number] = true;
+    }
+    is_moved
 }
 
 /// [`hold_back`] of one triangle or edge; `true` if it had to be.
@@ -144,19 +171,7 @@ fn hold_back_one<const N: usize>(
     if is_beyond(patch, corners, margin) || !passes(now) || passes(before) {
         return false;
     }
-    let mut holds = false;
-    for i in 0..N {
-        let corner = corners[i];
-        if patch.inverse_mass[corner] > 0.0 && now[i] != before[i] {
-            patch.now.set(corner, before[i]);
-            patch.shift.set(corner, patch.shift.get(corner) + before[i] - now[i]);
-            patch.way.set(corner, patch.way.get(corner) - patch.slip.get(corner));
-            patch.slip.set(corner, Vec3::ZERO);
-            patch.touched[corner] = true;
-            holds = true;
-        }
-    }
-    holds
+    corners.map(|corner| put_back(patch, corner)).contains(&true)
 }
 
 /// Whether all of these are beyond a plane that the whole collider is on the other side of.
@@ -175,17 +190,19 @@ fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) ->
     false
 }
 
-/// Meets a solid with corners and edges, of which `near` are met. What was inside from the start, `inside` knows the way out of.
+/// Meets a solid with corners and edges, of which `near` are met, at the distance `keep`. What was inside from the start, `inside` knows the way out of.
 fn touch_solid<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
     near: &[u32],
-    nearest: impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
-    inside: impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    keep: f32,
+    (nearest, inside): (
+        impl Fn(&[u32], [Vec3; N], f32) -> Option<Pair<N>>,
+        impl Fn([Vec3; N]) -> Option<(Pair<N>, f32)>,
+    ),
     (shape, hull): (&Shape, &ConvexHull),
     answer: &Answer,
 ) {
-    let keep = answer.margin;
     let mut is_outside = false;
     for one in near.chunks(1) {
         is_outside |= touch(patch, corners, keep, |points, reach| nearest(one, points, reach), shape, answer);
@@ -206,15 +223,20 @@ fn touch_solid<const N: usize>(
     }
 }
 
-/// Meets the centre or the axis of a round solid.
+/// Meets the centre or the axis of a round solid, or a corner or a fold of a mesh, which `nearest` knows and a box holds.
 fn touch_round<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],
     keep: f32,
-    nearest: impl Fn([Vec3; N], f32) -> Option<Pair<N>>,
+    (around, nearest): ([Vec3; 2], impl Fn([Vec3; N], f32) -> Option<Pair<N>>),
     shape: &Shape,
     answer: &Answer,
 ) {
+    let [before, now] = [&patch.before, &patch.now].map(|x| corners.map(|i| x.get(i)));
+    let moved = (0..N).map(|i| before[i].distance_squared(now[i])).fold(0.0, f32::max).sqrt();
+    if !is_near(before, keep + moved, around) {
+        return;
+    }
     if touch(patch, corners, keep, &nearest, shape, answer) || answer.part >= 1.0 {
         return;
     }
@@ -369,7 +391,7 @@ fn is_segment_cut(hull: &ConvexHull, [a, b]: [Vec3; 2]) -> bool {
 }
 
 /// Whether a segment passes through a triangle.
-fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
+pub(super) fn is_pierced([a, b, c]: [Vec3; 3], [from, to]: [Vec3; 2]) -> bool {
     let across = (b - a).cross(c - a);
     let [low, high] = [from, to].map(|end| across.dot(end - a));
     if (low < 0.0) == (high < 0.0) {
@@ -497,7 +519,7 @@ fn push<const N: usize>(
         return;
     }
     let mean = |of: &crate::Soa3| (0..N).map(|i| of.get(corners[i]) * weights[i]).sum::<Vec3>();
-    let (distance_before, _) = shape.distance_and_normal(mean(&patch.before));
+    let distance_before = shape.depth(mean(&patch.before));
     let slip = mean(&patch.slip);
     let along = slip.dot(normal);
     let approach = (-along).max(0.0);

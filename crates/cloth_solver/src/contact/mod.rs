@@ -13,16 +13,18 @@ mod approach;
 mod cloth;
 mod features;
 mod near;
+mod near_mesh;
 mod nearest;
 mod patch;
 mod respond;
 mod shape;
+mod surface;
 mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
 pub(crate) use shape::segment;
-pub use shape::{ConvexHull, Shape};
+pub use shape::{ConvexHull, Curved, Form, Shape, TriangleMesh};
 pub use touch::Touch;
 
 use fearless_simd::prelude::*;
@@ -36,6 +38,7 @@ use approach::Arrival;
 use near::Near;
 use patch::Patch;
 use respond::Answer;
+use surface::Surface;
 
 /// A solid that cloth cannot enter, as it moves over one tick, in the cloth's frame.
 #[derive(Clone, Debug)]
@@ -119,13 +122,8 @@ impl Contacts {
     /// How far a triangle reaches into `shape` between its corners, if they are on it and that is too little to be seen: then
     /// particles stay off by so much more. `None` if the triangles and edges have to be met themselves.
     fn sag(&self, shape: &Shape) -> Option<f32> {
-        match shape {
-            Shape::HalfSpace => Some(0.0),
-            Shape::Convex(_) => None,
-            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
-                Some(self.span / (2.0 * radius)).filter(|sag| *sag <= MOST_SAG * self.edge)
-            }
-        }
+        let sag = self.span / (2.0 * shape.least_curvature_radius()?);
+        Some(sag).filter(|sag| *sag <= MOST_SAG * self.edge)
     }
 
     /// Distance kept between a particle and the surface of `shape`, m.
@@ -241,7 +239,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         });
         let answer = Answer::new(collider, margin, offsets[1] - offsets[0], sub.h);
         let mut found;
-        if near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
+        if shape.mesh().is_some() || near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
             found = patch.collide((particles, &mut touched), part, shape, poses, &answer, sub.h);
         } else {

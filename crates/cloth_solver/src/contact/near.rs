@@ -38,6 +38,12 @@ pub(super) struct Part {
     pub points: Vec<Vec3>,
     /// Segments of the collider that edges are tested against: edges, axis.
     pub segments: Vec<[Vec3; 2]>,
+    /// Of a mesh its triangles near each particle, one after another.
+    pub near: Vec<u32>,
+    /// Where those of each particle begin.
+    pub first_near: Vec<u32>,
+    /// A particle with none is as far from a mesh, m, at least.
+    pub bound: f32,
     /// Length of the longest edge of the cloth, m, at most; 0 where particles alone are met.
     pub longest: f32,
     /// Where the collider was when the lists were made; `None` if there are none.
@@ -268,6 +274,12 @@ impl Near {
             part.clear_lists();
             number.clear();
             number.resize(anchor.len(), u32::MAX);
+            if let Some(mesh) = shape.mesh() {
+                let far = reach + shape.feature_radius() + BELOW * edge.min(shape.inner_radius());
+                let longest = is_sharp.then_some(longest);
+                part.list_mesh(mesh, (topology, local), number, [reach, far], longest);
+                return &self.parts[which];
+            }
             if is_sharp {
                 shape.features(&mut part.points, &mut part.segments);
                 let far = reach + shape.feature_radius() + BELOW * edge.min(shape.inner_radius());
@@ -297,6 +309,8 @@ impl Part {
         self.features.clear();
         self.points.clear();
         self.segments.clear();
+        self.near.clear();
+        self.first_near.clear();
     }
 
     /// Lists what is no farther than `far` from a point or a segment of the collider.

@@ -9,8 +9,8 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
 use super::near::Part;
-use super::respond::{Answer, Eight, Found, distance_and_normal, meet};
-use super::{Shape, Touch, features};
+use super::respond::{Answer, Eight, Found, meet};
+use super::{Shape, Surface, Touch, features};
 use crate::batch::gather3;
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
@@ -20,6 +20,9 @@ const STAGE: f32 = 0.125;
 
 /// The same of solids with corners and edges, near which the way out is short: at a quarter of the radius an apex passes.
 const STAGE_OF_EDGES: f32 = 0.03;
+
+/// The same of walls of triangles, through the middle of which particles, corners and folds are held back.
+const STAGE_OF_WALLS: f32 = 0.5;
 
 /// Stages of one substep at most: what moves past in larger steps yet is met where it ends.
 const MOST_STAGES: f32 = 500.0;
@@ -64,7 +67,12 @@ pub(super) struct Patch {
 
 /// The farthest that cloth may move against a solid of `shape` in one stage, m.
 pub(super) fn longest_stage(shape: &Shape) -> f32 {
-    shape.inner_radius() * if matches!(shape, Shape::Convex(_)) { STAGE_OF_EDGES } else { STAGE }
+    match shape.solid() {
+        // What is rounded is as good to pass as a ball of that radius.
+        Some((hull, rounding)) => (STAGE_OF_EDGES * hull.inner_radius).max(STAGE * rounding),
+        None if shape.mesh().is_some() => STAGE_OF_WALLS * shape.inner_radius(),
+        None => STAGE * shape.inner_radius(),
+    }
 }
 
 impl Patch {
@@ -81,8 +89,8 @@ impl Patch {
     ) -> Found {
         let (frames, slots) = (frames(poses, answer), &part.slots[..part.sharp]);
         dispatch!(*LEVEL, simd => {
-            self.gather(simd, particles, slots, shape, frames, h);
-            self.find_planes(simd, shape, answer.margin);
+            self.gather(simd, particles, slots, (shape, part), frames, h);
+            self.find_planes(simd, (shape, part), answer.margin);
         });
         features::meet(self, part, shape, answer);
         features::hold_back(self, part, shape, answer.margin);
@@ -101,7 +109,8 @@ impl Patch {
         h: f32,
     ) -> Found {
         let (frames, slots) = (frames(poses, answer), &part.slots[..]);
-        let (farthest, nearest) = dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, shape, frames, h));
+        let (farthest, nearest) =
+            dispatch!(*LEVEL, simd => self.gather(simd, particles, slots, (shape, part), frames, h));
         // Nothing to do if no edge is as long as the nearest particle is away.
         if nearest - farthest > answer.margin + part.longest {
             return Found::default();
@@ -122,7 +131,8 @@ impl Patch {
         self.now.copy_from(&self.before);
         let mut at = 0.0;
         while at < 1.0 {
-            let clear = dispatch!(*LEVEL, simd => self.distances(simd, shape)) - answer.margin - part.longest;
+            let least = dispatch!(*LEVEL, simd => self.distances(simd, shape));
+            let clear = least - answer.margin - part.longest;
             let stage = (step.max(clear) / farthest).min(1.0 - at);
             self.before.copy_from(&self.now);
             add(&mut self.now, &self.way, stage);
@@ -136,7 +146,7 @@ impl Patch {
     /// One stage: particles, then triangles, then edges.
     fn meet(&mut self, part: &Part, shape: &Shape, answer: &Answer, passes: u32) {
         for _ in 0..passes {
-            dispatch!(*LEVEL, simd => self.meet_particles(simd, shape, answer));
+            dispatch!(*LEVEL, simd => self.meet_particles(simd, (shape, part), answer));
             self.pushed = 0.0;
             features::meet(self, part, shape, answer);
             if self.pushed <= answer.margin {
@@ -144,6 +154,9 @@ impl Patch {
             }
         }
         features::hold_back(self, part, shape, answer.margin);
+        if let Some(mesh) = shape.mesh() {
+            features::hold_back_particles(self, part, mesh);
+        }
     }
 
     /// Loads the particles; tells how far any moves, and how far the nearest is away where it ends.
@@ -153,7 +166,7 @@ impl Patch {
         simd: S,
         particles: &Particles,
         slots: &[u32],
-        shape: &Shape,
+        (shape, part): (&Shape, &Part),
         [from, moving, to]: [Frame; 3],
         h: f32,
     ) -> (f32, f32) {
@@ -181,7 +194,13 @@ impl Patch {
             }
             farthest = farthest.max(way.dot(way));
             let zero = splat(simd, 0.0);
-            nearest = nearest.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
+            let surface = Surface::near(shape, part, i);
+            if !surface.is_convex() {
+                // Only what is near is listed, and to look costs more than what may be left out.
+                nearest = splat(simd, f32::NEG_INFINITY);
+                continue;
+            }
+            nearest = nearest.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         (farthest.reduce_max().sqrt(), nearest.reduce_min())
     }
@@ -202,46 +221,55 @@ impl Patch {
         self.touched.resize(slots, false);
     }
 
-    /// The least distance of any particle from the collider, m.
+    /// The least distance of any particle from the collider, m; −∞ from a mesh, of which that is not known.
     #[inline(always)]
     fn distances<S: Simd>(&mut self, simd: S, shape: &Shape) -> f32 {
-        let zero = splat(simd, 0.0);
+        let (surface, zero) = (Surface::of(shape), splat(simd, 0.0));
+        if !surface.is_convex() {
+            return f32::NEG_INFINITY;
+        }
         let mut least = splat(simd, f32::INFINITY);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
-            least = least.min(distance_and_normal(simd, shape, now, zero, zero.simd_ge(zero)).0);
+            least = least.min(surface.distance_and_normal(simd, now, zero, zero.simd_ge(zero)).0);
         }
         least.reduce_min()
     }
 
     /// Finds the plane that each particle is beyond.
     #[inline(always)]
-    fn find_planes<S: Simd>(&mut self, simd: S, shape: &Shape, margin: f32) {
+    fn find_planes<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part), margin: f32) {
         let (margin, zero) = (splat(simd, margin), splat(simd, 0.0));
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
-            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            let surface = Surface::near(shape, part, i);
+            let (distance, normal) = surface.distance_and_normal(simd, now, margin, zero.simd_ge(zero));
             normal.store(&mut self.normal, i);
-            store(now.dot(normal) - distance, &mut self.height, i);
+            // Nothing is beyond a plane if there is more of the surface behind.
+            let height = if surface.is_convex() { now.dot(normal) - distance } else { splat(simd, f32::INFINITY) };
+            store(height, &mut self.height, i);
         }
     }
 
     #[inline(always)]
-    fn meet_particles<S: Simd>(&mut self, simd: S, shape: &Shape, answer: &Answer) {
+    fn meet_particles<S: Simd>(&mut self, simd: S, (shape, part): (&Shape, &Part), answer: &Answer) {
         let (margin, zero) = (splat(simd, answer.margin), splat(simd, 0.0));
         let (mut deepest, mut buried, mut approach) = (zero, zero, zero);
         for i in (0..self.height.len() / LANES).map(|group| group * LANES) {
             let now = Vec3x8::load(simd, &self.now, i);
             let free = load(simd, &self.inverse_mass, i).simd_gt(zero);
-            let (distance, normal) = distance_and_normal(simd, shape, now, margin, zero.simd_ge(zero));
+            let surface = Surface::near(shape, part, i);
+            let (distance, normal) = surface.distance_and_normal(simd, now, margin, zero.simd_ge(zero));
             normal.store(&mut self.normal, i);
-            store(now.dot(normal) - distance, &mut self.height, i);
+            // Nothing is beyond a plane if there is more of the surface behind.
+            let height = if surface.is_convex() { now.dot(normal) - distance } else { splat(simd, f32::INFINITY) };
+            store(height, &mut self.height, i);
             let wanted = free & distance.simd_lt(margin);
             if !wanted.any_true() {
                 continue;
             }
             let (before, slip) = (Vec3x8::load(simd, &self.before, i), Vec3x8::load(simd, &self.slip, i));
-            let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
+            let met = meet(simd, surface, Eight { before, now, slip }, (distance, normal), wanted, answer);
             (now + met.shift).store(&mut self.now, i);
             (Vec3x8::load(simd, &self.shift, i) + met.shift).store(&mut self.shift, i);
             (Vec3x8::load(simd, &self.way, i) + met.slip - slip).store(&mut self.way, i);

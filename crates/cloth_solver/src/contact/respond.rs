@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::{Quat, Vec3};
 
-use super::{Collider, DEPENETRATION_SPEED, Shape, Touch};
+use super::{Collider, DEPENETRATION_SPEED, Shape, Surface, Touch};
 use crate::lanes::{Frame, LANES, Vec3x8, load, select, splat, store};
 use crate::{Particles, Pose};
 
@@ -90,7 +90,7 @@ pub(super) struct Met<S: Simd> {
 #[inline(always)]
 pub(super) fn meet<S: Simd>(
     simd: S,
-    shape: &Shape,
+    surface: Surface,
     of: Eight<S>,
     (distance, normal): (f32x8<S>, Vec3x8<S>),
     wanted: mask32x8<S>,
@@ -99,7 +99,7 @@ pub(super) fn meet<S: Simd>(
     let Eight { before, now, slip } = of;
     let (margin, zero, one) = (splat(simd, answer.margin), splat(simd, 0.0), splat(simd, 1.0));
     let tiny = splat(simd, f32::MIN_POSITIVE);
-    let (distance_before, normal_before) = distance_and_normal(simd, shape, before, margin, wanted);
+    let (distance_before, normal_before) = surface.distance_and_normal(simd, before, margin, wanted);
     let buried = distance_before.simd_lt(zero);
     let high = (distance_before - margin).max(zero);
     let (mut entry, mut entry_distance, mut entry_normal) = (before, distance_before, normal_before);
@@ -108,7 +108,7 @@ pub(super) fn meet<S: Simd>(
         // earlier than the way does.
         let time = (high / (high + margin - distance).max(tiny)).max(zero).min(one);
         entry = before + (now - before) * time;
-        (entry_distance, entry_normal) = distance_and_normal(simd, shape, entry, margin, wanted);
+        (entry_distance, entry_normal) = surface.distance_and_normal(simd, entry, margin, wanted);
     }
     let entry_depth = margin - entry_distance + (entry - now).dot(entry_normal);
     let normal = select(buried, normal, entry_normal);
@@ -196,7 +196,7 @@ fn respond_in<S: Simd, const STILL: bool, const PARALLEL: bool>(
         if !STILL {
             slip = slip + (now - moving.inverse_point(simd, x));
         }
-        let met = meet(simd, shape, Eight { before, now, slip }, (distance, normal), wanted, answer);
+        let met = meet(simd, Surface::of(shape), Eight { before, now, slip }, (distance, normal), wanted, answer);
         (x + turned::<S, PARALLEL>(simd, &to, met.shift)).store(position, i);
         let mut left = turned::<S, PARALLEL>(simd, &from, met.slip);
         if !STILL {
@@ -258,6 +258,12 @@ pub(super) fn distance_and_normal<S: Simd>(
             ball(simd, Vec3x8 { x: p.x, y: p.y - on_axis, z: p.z }, *radius)
         }
         Shape::HalfSpace => (p.y, Vec3x8 { x: zero, y: splat(simd, 1.0), z: zero }),
+        Shape::Mesh(_) => exact_where(simd, shape, p, wanted, splat(simd, f32::MAX), p),
+        Shape::Curved(curved) => {
+            let (distance, normal, is_bound) = curved.bound(simd, p);
+            let near = is_bound & wanted & distance.simd_lt(margin);
+            if near.any_true() { exact_where(simd, shape, p, near, distance, normal) } else { (distance, normal) }
+        }
         Shape::Convex(hull) => {
             let (distance, normal) = nearest_plane(simd, &hull.planes, p);
             // A lower bound of the distance, and exact inside. Outside it is exact where the foot of the perpendicular

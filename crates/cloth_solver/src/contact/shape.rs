@@ -6,10 +6,20 @@ use glam::{Vec2, Vec3};
 
 use crate::ClothError;
 
+mod bound;
+mod curved;
+mod ellipsoid;
+mod faces;
 mod hull;
+mod mesh;
 pub(crate) mod segment;
+#[cfg(feature = "parry")]
+mod solids;
+mod tree;
 
+pub use curved::{Curved, Form};
 pub use hull::ConvexHull;
+pub use mesh::TriangleMesh;
 
 /// The form of a collider, in its own frame, m.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +38,12 @@ pub enum Shape {
     },
     /// A convex solid: box, pyramid, or any other.
     Convex(Arc<ConvexHull>),
+    /// A convex solid with a curved surface: cylinder, cone, ellipsoid, rounded box.
+    Curved(Arc<Curved>),
     /// Everything below y = 0: solid ground.
     HalfSpace,
+    /// A wall along a triangle mesh or a height field.
+    Mesh(Arc<TriangleMesh>),
 }
 
 /// `Ok` if `value` is a size a collider may have, 1e-4..=1e4 m.
@@ -69,6 +83,51 @@ impl Shape {
         Ok(Self::Convex(Arc::new(ConvexHull::pyramid(base / 2.0, height / 2.0))))
     }
 
+    /// A box with rounded edges, centred on the origin: `size` are its overall edge lengths, m, each 1e-4..=1e4, and `radius` that of
+    /// its edges, 1e-4 m or more and less than half the shortest of them.
+    pub fn rounded_cuboid(size: Vec3, radius: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::RoundedCuboid.size.x", size.x)?;
+        check_size("ClothCollider::RoundedCuboid.size.y", size.y)?;
+        check_size("ClothCollider::RoundedCuboid.size.z", size.z)?;
+        let core = size / 2.0 - radius;
+        let is_less = core.min_element() > f32::EPSILON * size.max_element();
+        if !((1e-4..=1e4).contains(&radius) && is_less) {
+            let [field, allowed] =
+                ["ClothCollider::RoundedCuboid.radius", "1e-4 m or more and less than half the shortest edge"];
+            return Err(ClothError::OutOfRange { field, value: radius, allowed });
+        }
+        Ok(Self::curved(Form::RoundedCuboid { core, radius }))
+    }
+
+    /// A cylinder along y of `radius` and `height`, centred on the origin; each 1e-4..=1e4 m.
+    pub fn cylinder(radius: f32, height: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Cylinder.radius", radius)?;
+        check_size("ClothCollider::Cylinder.height", height)?;
+        Ok(Self::curved(Form::Cylinder { radius, half_height: height / 2.0 }))
+    }
+
+    /// A cone along y: base of `radius` at −`height`/2, apex at +`height`/2; each 1e-4..=1e4 m.
+    pub fn cone(radius: f32, height: f32) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Cone.radius", radius)?;
+        check_size("ClothCollider::Cone.height", height)?;
+        Ok(Self::curved(Form::Cone { radius, half_height: height / 2.0 }))
+    }
+
+    /// An ellipsoid around the origin with semi-axes `radii`, m, each 1e-4..=1e4. A [`Shape::Sphere`] if they are the same.
+    pub fn ellipsoid(radii: Vec3) -> Result<Self, ClothError> {
+        check_size("ClothCollider::Ellipsoid.radii.x", radii.x)?;
+        check_size("ClothCollider::Ellipsoid.radii.y", radii.y)?;
+        check_size("ClothCollider::Ellipsoid.radii.z", radii.z)?;
+        if radii == Vec3::splat(radii.x) {
+            return Ok(Self::Sphere { radius: radii.x });
+        }
+        Ok(Self::curved(Form::Ellipsoid { half: radii }))
+    }
+
+    fn curved(form: Form) -> Self {
+        Self::Curved(Arc::new(Curved::new(form)))
+    }
+
     /// The intersection of 4 to 64 half-spaces `n · p <= d`; must be bounded (within 1e4 m of the origin) and hold a
     /// point in its inside. The normals `n` need not have unit length; half-spaces that cut nothing off are dropped.
     pub fn convex(planes: &[(Vec3, f32)]) -> Result<Self, ClothError> {
@@ -77,7 +136,7 @@ impl Shape {
 
     /// Signed distance from the surface to `p` (negative inside), m, and the outward normal there, of unit length.
     ///
-    /// Exact outside of every shape. Inside a convex solid it is the plane of least depth, the way out for a shallow
+    /// Exact outside of every shape, and inside of a ball, a capsule and an ellipsoid. Inside any other convex solid it is the plane of least depth, the way out for a shallow
     /// particle. Never NaN for a finite `p`: where all directions are equal, the normal is +y at the centre of a sphere
     /// and +x on the axis of a capsule.
     pub fn distance_and_normal(&self, p: Vec3) -> (f32, Vec3) {
@@ -88,7 +147,9 @@ impl Shape {
                 (from_axis.length() - radius, from_axis.normalize_or(Vec3::X))
             }
             Self::Convex(hull) => hull.distance_and_normal(p),
+            Self::Curved(curved) => curved.distance_and_normal(p),
             Self::HalfSpace => (p.y, Vec3::Y),
+            Self::Mesh(mesh) => mesh.distance_and_normal(p),
         }
     }
 
@@ -98,7 +159,9 @@ impl Shape {
             Self::Sphere { radius } => *radius,
             Self::Capsule { radius, half_length } => radius + half_length,
             Self::Convex(hull) => hull.radius,
+            Self::Curved(curved) => curved.bounding_radius(),
             Self::HalfSpace => f32::INFINITY,
+            Self::Mesh(mesh) => mesh.radius(),
         }
     }
 
@@ -107,14 +170,29 @@ impl Shape {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Convex(hull) => hull.inner_radius,
+            Self::Curved(curved) => curved.inner_radius(),
             Self::HalfSpace => f32::INFINITY,
+            Self::Mesh(mesh) => mesh.half_thickness(),
         }
+    }
+
+    /// The triangle mesh, if it is one.
+    #[inline(always)]
+    pub(crate) fn mesh(&self) -> Option<&TriangleMesh> {
+        if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
+    }
+
+    /// Signed distance from the surface to `p` where that is inside, m; outside it may be infinite.
+    pub(crate) fn depth(&self, p: Vec3) -> f32 {
+        self.mesh().map_or_else(|| self.distance_and_normal(p).0, |mesh| mesh.depth(p))
     }
 
     /// Whether `other` is the same shape: cheap where both share one solid.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Convex(a), Self::Convex(b)) if Arc::ptr_eq(a, b) => true,
+            (Self::Curved(a), Self::Curved(b)) if Arc::ptr_eq(a, b) => true,
+            (Self::Mesh(a), Self::Mesh(b)) if Arc::ptr_eq(a, b) => true,
             _ => self == other,
         }
     }
@@ -130,11 +208,34 @@ impl Shape {
                     segments.push(ends);
                 }
             }
-            Self::Convex(hull) => {
-                points.extend(&hull.corners);
-                segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
+            Self::Convex(_) | Self::Curved(_) => {
+                if let Some((hull, _)) = self.solid() {
+                    points.extend(&hull.corners);
+                    segments.extend(hull.edges.iter().map(|edge| edge.map(|i| hull.corners[i as usize])));
+                }
             }
-            Self::HalfSpace => {}
+            // Those of a mesh depend on where the cloth is.
+            Self::HalfSpace | Self::Mesh(_) => {}
+        }
+    }
+
+    /// The polyhedron whose corners and edges triangles and edges of a cloth meet, and at which distance, m.
+    #[inline(always)]
+    pub(crate) fn solid(&self) -> Option<(&ConvexHull, f32)> {
+        match self {
+            Self::Convex(hull) => Some((hull, 0.0)),
+            Self::Curved(curved) => Some((curved.hull(), curved.rounding())),
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::HalfSpace | Self::Mesh(_) => None,
+        }
+    }
+
+    /// The least radius of curvature of a surface without edges, m; `None` where there are edges.
+    pub(crate) fn least_curvature_radius(&self) -> Option<f32> {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => Some(*radius),
+            Self::Convex(_) | Self::Mesh(_) => None,
+            Self::Curved(curved) => curved.least_curvature_radius(),
+            Self::HalfSpace => Some(f32::INFINITY),
         }
     }
 
@@ -142,6 +243,8 @@ impl Shape {
     pub(crate) fn feature_radius(&self) -> f32 {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Curved(curved) => curved.rounding(),
+            Self::Mesh(mesh) => mesh.half_thickness(),
             Self::Convex(_) | Self::HalfSpace => 0.0,
         }
     }
@@ -158,6 +261,11 @@ impl Shape {
                 .corners
                 .iter()
                 .fold([Vec3::MAX, Vec3::MIN], |[low, high], corner| [low.min(*corner), high.max(*corner)]),
+            Self::Curved(curved) => {
+                let half = curved.half_extent();
+                [-half, half]
+            }
+            Self::Mesh(mesh) => mesh.bounds(),
             Self::HalfSpace => [Vec3::NEG_INFINITY, Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)],
         }
     }

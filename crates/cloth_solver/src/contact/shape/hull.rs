@@ -102,8 +102,8 @@ impl ConvexHull {
             .fold((f32::NAN, Vec3::Y), |most, plane| if most.0 >= plane.0 { most } else { plane });
         // No point of the solid is nearer than the plane that separates it most: if the foot on that plane belongs to
         // the solid, it is the nearest point, and no other face can have one.
-        let foot = p - normal * height;
-        if height <= 0.0 || self.planes.iter().all(|(n, d)| *n == normal || n.dot(foot) <= *d) {
+        let (foot, rounding) = (p - normal * height, 4.0 * f32::EPSILON * self.radius);
+        if height <= 0.0 || self.planes.iter().all(|(n, d)| *n == normal || n.dot(foot) <= d + rounding) {
             return (height, normal);
         }
         let mut nearest = (f32::INFINITY, Vec3::ZERO);

@@ -2,11 +2,14 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
+use glam::Vec3;
 
-use super::Shape;
-use crate::lanes::{Vec3x8, splat};
+use super::{ConvexHull, Form, Shape};
+use crate::lanes::{LANES, Vec3x8, splat};
 
-/// Whether the way from `from` to `to`, in the shape's own frame, enters the shape. One that starts inside does not enter.
+/// Whether the way from `from` to `to`, in the shape's own frame, enters the shape. One that starts inside does not enter. Of a
+/// cylinder and a cone it is the polyhedron inside that is entered, of a rounded box the box around it, of a mesh a
+/// triangle.
 #[inline(always)]
 pub(crate) fn enters<S: Simd>(simd: S, shape: &Shape, from: Vec3x8<S>, to: Vec3x8<S>) -> mask32x8<S> {
     let zero = splat(simd, 0.0);
@@ -14,23 +17,47 @@ pub(crate) fn enters<S: Simd>(simd: S, shape: &Shape, from: Vec3x8<S>, to: Vec3x
         Shape::Sphere { radius } => enters_capsule(simd, 0.0, *radius, from, to - from),
         Shape::Capsule { radius, half_length } => enters_capsule(simd, *half_length, *radius, from, to - from),
         Shape::HalfSpace => from.y.simd_gt(zero) & to.y.simd_lt(zero),
-        Shape::Convex(hull) => {
-            // Between the last plane that the way goes in through and the first that it leaves by.
-            let way = to - from;
-            let (mut enter, mut leave) = (zero, splat(simd, 1.0));
-            for &(normal, offset) in &hull.planes {
-                let normal = Vec3x8::splat(simd, normal);
-                let speed = way.dot(normal);
-                let height = splat(simd, offset) - from.dot(normal);
-                let time = height / speed;
-                enter = speed.simd_lt(zero).select(enter.max(time), enter);
-                leave = speed.simd_gt(zero).select(leave.min(time), leave);
-                let beside = speed.simd_eq(zero) & height.simd_lt(zero);
-                leave = beside.select(zero, leave);
+        Shape::Convex(hull) => enters_hull(simd, hull, 0.0, from, to),
+        Shape::Curved(curved) => match curved.form() {
+            Form::Ellipsoid { half } => {
+                // Seen shrunk along its axes it is a ball.
+                let [from, to] = [from, to].map(|p| scaled(simd, p, half.recip()));
+                enters_capsule(simd, 0.0, 1.0, from, to - from)
             }
-            enter.simd_gt(zero) & enter.simd_lt(leave)
+            _ => enters_hull(simd, curved.hull(), curved.rounding(), from, to),
+        },
+        Shape::Mesh(mesh) => {
+            let at = |p: Vec3x8<S>, lane: usize| Vec3::new(p.x[lane], p.y[lane], p.z[lane]);
+            let hits = (0..LANES).map(|lane| f32::from(u8::from(mesh.is_between(at(from, lane), at(to, lane)))));
+            let mut lanes = [0.0; LANES];
+            lanes.iter_mut().zip(hits).for_each(|(lane, hit)| *lane = hit);
+            f32x8::simd_from(simd, lanes).simd_gt(zero)
         }
     }
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(simd: S, p: Vec3x8<S>, by: Vec3) -> Vec3x8<S> {
+    Vec3x8 { x: p.x * splat(simd, by.x), y: p.y * splat(simd, by.y), z: p.z * splat(simd, by.z) }
+}
+
+/// For a solid of which each plane is moved out by `more`.
+#[inline(always)]
+fn enters_hull<S: Simd>(simd: S, hull: &ConvexHull, more: f32, from: Vec3x8<S>, to: Vec3x8<S>) -> mask32x8<S> {
+    // Between the last plane that the way goes in through and the first that it leaves by.
+    let (way, zero) = (to - from, splat(simd, 0.0));
+    let (mut enter, mut leave) = (zero, splat(simd, 1.0));
+    for &(normal, offset) in &hull.planes {
+        let normal = Vec3x8::splat(simd, normal);
+        let speed = way.dot(normal);
+        let height = splat(simd, offset + more) - from.dot(normal);
+        let time = height / speed;
+        enter = speed.simd_lt(zero).select(enter.max(time), enter);
+        leave = speed.simd_gt(zero).select(leave.min(time), leave);
+        let beside = speed.simd_eq(zero) & height.simd_lt(zero);
+        leave = beside.select(zero, leave);
+    }
+    enter.simd_gt(zero) & enter.simd_lt(leave)
 }
 
 /// For the segment from −`half_length` to `half_length` on the y axis, blown up by `radius`. Nearest points of two
@@ -80,12 +107,15 @@ mod tests {
         mask != 0
     }
 
-    fn shapes() -> [Shape; 5] {
+    fn shapes() -> [Shape; 8] {
         [
             Shape::sphere(0.5).unwrap(),
             Shape::capsule(0.3, 1.0).unwrap(),
             Shape::cuboid(Vec3::new(0.4, 1.0, 0.7)).unwrap(),
             Shape::pyramid(Vec2::new(0.8, 1.0), 0.9).unwrap(),
+            Shape::cylinder(0.4, 0.8).unwrap(),
+            Shape::cone(0.5, 0.9).unwrap(),
+            Shape::ellipsoid(Vec3::new(0.3, 0.6, 0.4)).unwrap(),
             Shape::HalfSpace,
         ]
     }

@@ -88,6 +88,17 @@ impl ColliderState {
     }
 }
 
+impl ClothCollider {
+    /// Its shape in its own frame with its entity's scale taken in: for those that ask how far they are from it, as a body that
+    /// bounces off it does.
+    ///
+    /// # Errors
+    /// The field that is out of its range, with value and range.
+    pub fn shape(&self, scale: Vec3) -> Result<Shape, ClothError> {
+        shape(self, scale)
+    }
+}
+
 fn shape(collider: &ClothCollider, scale: Vec3) -> Result<Shape, ClothError> {
     let size = scale.abs();
     match collider {

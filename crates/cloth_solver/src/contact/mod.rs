@@ -10,6 +10,7 @@
 //! creep.
 
 mod cloth;
+mod contact_points;
 mod features;
 mod near;
 mod nearest;
@@ -20,6 +21,7 @@ mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
+pub use contact_points::ContactPoint;
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Shape};
 pub use touch::Touch;

@@ -49,7 +49,8 @@ pub struct Args {
     /// In place of the maps: plays every scene of the stability plan, swept, with an hour's soak and 100,000 ticks of the monkey.
     #[arg(long, conflicts_with_all = ["random", "monkey", "replay"])]
     pub full: bool,
-    /// How much of `--full` is played: its part of the random trials and of the soak, above 0, up to 1. 0.002 takes a minute.
+    /// How much of `--full` is played: its part of the random trials, above 0, up to 1. Below 0.1 the soak, the monkey and the
+    /// sweeps are shorter, too: 0.002 takes a minute.
     #[arg(long, default_value = "1", value_name = "PART", requires = "full")]
     pub size: full::Part,
     /// Rows of the stability plan that `--full` plays, separated by commas. Default: all.

@@ -113,7 +113,7 @@ fn ticks(part: Part) -> Vec<Trial> {
         put(&mut cloth, |rest| rest + Vec3::Z * 0.02 * (5.0 * rest.x).cos() * (0.3 - rest.y));
         cloth
     };
-    let seconds = if part.value() < 0.1 { 4.0 } else { 10.0 };
+    let seconds = if part.is_short() { 4.0 } else { 10.0 };
     let trial = move |(kind, name): (usize, &'static str)| {
         Trial::new(format!("{name}, {}", KINDS[kind]), move || {
             let mut usual = hung(kind);
@@ -195,7 +195,7 @@ fn extremes() -> Vec<Trial> {
 }
 
 fn flags(part: Part) -> Vec<Trial> {
-    let seconds = if part.value() < 0.1 { 1.0 } else { 8.0 };
+    let seconds = if part.is_short() { 1.0 } else { 8.0 };
     let trial = move |(kind, wind): (usize, f32)| {
         Trial::new(format!("{wind} m/s, {}", KINDS[kind]), move || {
             let play = |tick: Tick| {
@@ -237,7 +237,7 @@ fn capes(part: Part) -> Vec<Trial> {
         ("spins at 10 rad/s", Box::new(move |t| turn(10.0 * t))),
         ("bobs 5 cm at 3 Hz", Box::new(move |t| at(Vec3::new(0.0, 0.05 * (18.85 * t).sin(), 4.0 * t)))),
     ];
-    let seconds = if part.value() < 0.1 { 1.0 } else { 5.0 };
+    let seconds = if part.is_short() { 1.0 } else { 5.0 };
     let mut trials = Vec::new();
     for (name, motion) in motions {
         let motion = std::sync::Arc::new(motion);

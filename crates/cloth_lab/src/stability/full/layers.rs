@@ -20,7 +20,7 @@ const TRIALS: [u64; 2] = [60, 60];
 
 /// Rows 10 and 11.
 pub fn rows(part: Part) -> Vec<Row> {
-    let seconds = if part.value() < 0.1 { 3 } else { 15 };
+    let seconds = if part.is_short() { 3 } else { 15 };
     let mut on_itself: Vec<Trial> = (0..part.of(TRIALS[0], 2)).map(dropped).collect();
     for (name, fabric) in part.sweep(&[
         ("poplin", Fabric::COTTON_POPLIN),

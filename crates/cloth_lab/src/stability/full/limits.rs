@@ -92,7 +92,7 @@ fn stiffness(part: Part) -> Vec<Trial> {
 }
 
 fn masses(part: Part) -> Vec<Trial> {
-    let cells = if part.value() < 0.1 { 20 } else { 49 };
+    let cells = if part.is_short() { 20 } else { 49 };
     let trial = move |(kind, mass): (usize, f32)| {
         Trial::new(format!("{}, {mass} kg", KINDS[kind]), move || {
             let fabric = Fabric { areal_density: mass, ..Fabric::COTTON_POPLIN };
@@ -147,7 +147,7 @@ fn links(part: Part) -> Vec<Trial> {
         })
     };
     let (strips, sheets) =
-        (part.sweep(&[10, 100, 1000]), if part.value() < 0.1 { vec![10, 20] } else { vec![10, 32, 100] });
+        (part.sweep(&[10, 100, 1000]), if part.is_short() { vec![10, 20] } else { vec![10, 32, 100] });
     strips
         .into_iter()
         .map(|count| (true, count))

@@ -109,7 +109,7 @@ fn soaked(name: &str) -> Cloth {
 }
 
 fn soaks(part: Part) -> Vec<Trial> {
-    let seconds = part.of(HOUR, 60) as f32;
+    let seconds = part.of_time(HOUR, 60) as f32;
     let trial = move |name: &'static str| {
         Trial::new(format!("{name}, {seconds} s"), move || {
             let minute = || {
@@ -140,7 +140,7 @@ fn soaks(part: Part) -> Vec<Trial> {
 }
 
 fn monkeys(part: Part, seed: u64) -> Vec<Trial> {
-    let ticks = part.of(MONKEY, 2 * u64::from(EPISODE));
+    let ticks = part.of_time(MONKEY, 2 * u64::from(EPISODE));
     let trial = |number: u64| {
         let seed = seed.wrapping_add(number);
         let ticks = (ticks - number * u64::from(EPISODE)).min(u64::from(EPISODE)) as u32;

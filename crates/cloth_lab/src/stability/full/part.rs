@@ -2,7 +2,10 @@
 
 use std::str::FromStr;
 
-/// The part of all trials and of long simulated times that is played, above 0, up to 1.
+/// Parts below this are short.
+const SHORT: f64 = 0.1;
+
+/// The part of all random trials that is played, above 0, up to 1. Below a tenth simulated times are shorter, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part(f64);
 
@@ -29,10 +32,20 @@ impl Part {
         ((self.0 * all as f64).round() as u64).clamp(least.min(all), all)
     }
 
-    /// The values of a sweep: all, or only the outermost where the part is less than a tenth.
+    /// All of a long time from a tenth on, that part of it below.
+    pub fn of_time(self, all: u64, least: u64) -> u64 {
+        if self.is_short() { self.of(all, least) } else { all }
+    }
+
+    /// Whether only the outermost values of sweeps are played, and short times.
+    pub fn is_short(self) -> bool {
+        self.0 < SHORT
+    }
+
+    /// The values of a sweep: all, or only the outermost of a short part.
     pub fn sweep<T: Copy>(self, values: &[T]) -> Vec<T> {
         match values {
-            [first, .., last] if self.0 < 0.1 => vec![*first, *last],
+            [first, .., last] if self.is_short() => vec![*first, *last],
             _ => values.to_vec(),
         }
     }
@@ -55,6 +68,7 @@ mod tests {
         let part = Part::new(0.01).unwrap();
         assert_eq!([part.of(1000, 2), part.of(10, 2), part.of(1, 2)], [10, 2, 1]);
         assert_eq!(Part::new(1.0).unwrap().of(1000, 2), 1000);
+        assert_eq!([0.05, 0.1].map(|part| Part::new(part).unwrap().of_time(3600, 60)), [180, 3600]);
     }
 
     #[test]

@@ -111,7 +111,7 @@ fn samples(part: Part, seed: u64) -> Vec<Trial> {
 }
 
 fn flags(part: Part) -> Vec<Trial> {
-    let seconds = if part.value() < 0.1 { 8.0 } else { 20.0 };
+    let seconds = if part.is_short() { 8.0 } else { 20.0 };
     let flag = |kind: usize, fabric: &Fabric| {
         let mut flag = sheet(kind, [0.45, 0.3], [18, 12], fabric);
         hold(&mut flag, |rest| rest.x < -0.2249);
@@ -153,7 +153,7 @@ fn flags(part: Part) -> Vec<Trial> {
 }
 
 fn crumpled(part: Part, seed: u64) -> Vec<Trial> {
-    let seconds = if part.value() < 0.1 { 2.0 } else { 10.0 };
+    let seconds = if part.is_short() { 2.0 } else { 10.0 };
     let trial = move |number: u64| {
         let seed = seed.wrapping_add(number);
         Trial::new(format!("seed {seed}"), move || {
@@ -258,7 +258,7 @@ fn curved(columns: u32, rows: u32, place: impl Fn(f32, f32) -> Vec3) -> Cloth {
 }
 
 fn still(part: Part) -> Vec<Trial> {
-    let seconds = if part.value() < 0.1 { 5.0 } else { 60.0 };
+    let seconds = if part.is_short() { 5.0 } else { 60.0 };
     let made: [(&'static str, fn() -> Cloth); 6] = [
         ("grid 7 × 5, paper", || sheet(0, [0.4, 0.3], [7, 5], &Fabric::PAPER)),
         ("grid 20 × 20", || sheet(0, [0.4; 2], [20; 2], &POPLIN)),

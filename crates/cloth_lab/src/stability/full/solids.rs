@@ -158,7 +158,7 @@ fn laid(part: Part) -> Vec<Trial> {
     let mut trials = Vec::new();
     for (name, index, rotation) in part.sweep(&places) {
         for kind in 0..2 {
-            let seconds = if part.value() < 0.1 { 8.0 } else { 30.0 };
+            let seconds = if part.is_short() { 8.0 } else { 30.0 };
             trials.push(Trial::new(format!("{name}, {}", KINDS[kind]), move || {
                 let (_, shape) = shapes()[index].clone();
                 let mut cloth = in_air(sheet(kind, [0.5; 2], [20; 2], &POPLIN));
@@ -208,7 +208,7 @@ fn pinned() -> Vec<Trial> {
 }
 
 fn floors(part: Part) -> Vec<Trial> {
-    let cells = if part.value() < 0.1 { [12, 15] } else { [24, 30] };
+    let cells = if part.is_short() { [12, 15] } else { [24, 30] };
     let trial = |(kind, keeps_off, below): (usize, bool, f32)| {
         let name = if keeps_off { ", keeps off itself" } else { "" };
         Trial::new(format!("{}, {below} m{name}", KINDS[kind]), move || {

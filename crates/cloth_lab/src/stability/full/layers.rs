@@ -128,15 +128,14 @@ fn fold_through_itself(cloth: &mut Cloth, strewn: f32, random: &mut Random) {
     let (radius, tilt) = (0.03, 0.3);
     let bent = |rest: Vec3| {
         let (along, arc) = (rest.x, std::f32::consts::PI * radius);
-        let x = if along <= 0.0 {
+        if along <= 0.0 {
             Vec3::new(along, rest.y, 0.0)
         } else if along < arc {
             Vec3::new(radius * (along / radius).sin(), rest.y, radius * (1.0 - (along / radius).cos()))
         } else {
             // It comes down through the other half.
             Vec3::new(arc - along, rest.y, 2.0 * radius - tilt * 1.5 * (along - arc))
-        };
-        x
+        }
     };
     for slot in 0..cloth.topology.slots() {
         let to = bent(cloth.topology.rest[slot]) + strewn * noise(random);

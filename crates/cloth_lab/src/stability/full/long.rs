@@ -150,7 +150,7 @@ fn monkeys(part: Part, seed: u64) -> Vec<Trial> {
             let told = match seen.fault {
                 None => format!("{:.1} m/s, {:.2} × its drive", seen.speed, seen.ratio),
                 Some((fault, tick)) => format!(
-                    "{fault:?} after tick {tick}, {:.1} m/s, {:.2} × its drive; see `monkey_{seed}.ron`",
+                    "{fault:?} after tick {tick}, {:.1} m/s, {:.2} × its drive; `--monkey {ticks} --seed {seed}`",
                     seen.speed, seen.ratio
                 ),
             };

@@ -39,7 +39,8 @@ fn show_help(
     let context = contexts.ctx_mut()?;
     let mut is_open = open.0;
     egui::Window::new("Help").open(&mut is_open).resizable(false).default_pos([24.0, 24.0]).show(context, |ui| {
-        let mut objects: Vec<_> = selectables.iter().map(|(selectable, name)| (selectable.0, name.as_str())).collect();
+        let with_key = selectables.iter().filter(|(selectable, _)| (1..=9).contains(&selectable.0));
+        let mut objects: Vec<_> = with_key.map(|(selectable, name)| (selectable.0, name.as_str())).collect();
         objects.sort_unstable();
         table(ui, "Mouse", MOUSE.iter().map(|(key, meaning)| ((*key).into(), (*meaning).into())));
         table(ui, "Keys", keys::descriptions().map(|(key, meaning)| (key.into(), meaning.into())));

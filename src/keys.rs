@@ -10,6 +10,7 @@ use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
 
 use crate::help::HelpOpen;
 use crate::select::Selectable;
+use crate::throw::ThrowBall;
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,14 +22,16 @@ enum Action {
     Coloring,
     FireTool,
     Fans,
+    Throw,
     Inspector,
     Move,
     Turn,
+    Delete,
     Deselect,
 }
 
 /// Every key: code, name and meaning.
-const BINDINGS: [(KeyCode, &str, &str, Action); 11] = [
+const BINDINGS: [(KeyCode, &str, &str, Action); 13] = [
     (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
     (KeyCode::Space, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
@@ -36,9 +39,11 @@ const BINDINGS: [(KeyCode, &str, &str, Action); 11] = [
     (KeyCode::KeyC, "C", "colour by material, stress, strain, temperature, speed, contact", Action::Coloring),
     (KeyCode::KeyX, "X", "match or water for the middle button", Action::FireTool),
     (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
+    (KeyCode::KeyT, "T", "throw a ball through the cursor; the ninth replaces the first", Action::Throw),
     (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
     (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
     (KeyCode::KeyE, "E", "handles turn the selected object: take a ring at its wide end", Action::Turn),
+    (KeyCode::Delete, "Del", "delete the selected object", Action::Delete),
     (KeyCode::Escape, "Esc", "close the help, or deselect", Action::Deselect),
 ];
 
@@ -119,9 +124,15 @@ fn act(
                 let on = !fans.iter().any(|fan| fan.on);
                 fans.iter_mut().for_each(|mut fan| fan.on = on);
             }
+            Action::Throw => commands.trigger(ThrowBall),
             Action::Inspector => inspector.0 = !inspector.0,
             Action::Move => gizmo.mode = TransformGizmoMode::Translate,
             Action::Turn => gizmo.mode = TransformGizmoMode::Rotate,
+            Action::Delete => {
+                if let Some(entity) = selected.0.take() {
+                    commands.entity(entity).despawn();
+                }
+            }
             Action::Deselect if help.0 => help.0 = false,
             Action::Deselect => selected.0 = None,
         }

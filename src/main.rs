@@ -1,4 +1,4 @@
-//! The demo game: scenes, camera, mouse and keys around `bevy_cloth`. No physics in here.
+//! The demo game: scenes, camera, mouse and keys around `bevy_cloth`. No physics in here but the flight of a thrown ball.
 
 mod camera;
 mod cli;
@@ -11,6 +11,7 @@ mod scenes;
 mod screenshot;
 mod select;
 mod shapes;
+mod throw;
 mod window;
 
 use bevy::diagnostic::FrameTimeDiagnosticsPlugin;

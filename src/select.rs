@@ -20,7 +20,7 @@ const GIZMO_REACH: f32 = 12.0;
 /// The render layer of the gizmo's handles, see `GIZMO_RENDER_LAYER` in `bevy_gizmos_render`.
 const GIZMO_LAYER: usize = 15;
 
-/// Something a click selects; the number is the key that selects it, too.
+/// Something a click selects; the number is the key that selects it, too, if it is 1 to 9.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Selectable(pub u8);
 

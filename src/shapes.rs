@@ -28,7 +28,7 @@ fn shape_colliders(
 
 /// The surface of a bounded primitive collider; `None` for ground, free shapes and meshes, and for sizes that are not
 /// positive, which the cloth refuses, too.
-fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
+pub fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
     let positive = |sizes: &[f32]| sizes.iter().all(|size| size.is_finite() && *size > 0.0);
     match *collider {
         ClothCollider::Sphere { radius } => positive(&[radius]).then(|| Sphere::new(radius).mesh().uv(64, 40)),

@@ -5,7 +5,8 @@ use bevy::gizmos::transform_gizmo::TransformGizmoPlugin;
 use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
-use crate::{camera::Canvas, help::HelpPlugin, keys::KeysPlugin, mouse::MousePlugin, select::SelectPlugin};
+use crate::camera::Canvas;
+use crate::{help::HelpPlugin, keys::KeysPlugin, mouse::MousePlugin, select::SelectPlugin, throw::ThrowPlugin};
 
 /// Opens a window of `size` pixels and lets the user take part.
 pub struct WindowedPlugin {
@@ -22,6 +23,7 @@ impl Plugin for WindowedPlugin {
         };
         app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
             .insert_resource(Canvas(RenderTarget::default()))
-            .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin, KeysPlugin, HelpPlugin));
+            .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin))
+            .add_plugins((KeysPlugin, HelpPlugin, ThrowPlugin));
     }
 }

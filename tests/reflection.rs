@@ -38,6 +38,7 @@ fn every_authored_component_is_registered_with_its_default() {
         "bevy_cloth::sleep::ClothSleep",
         "bevy_cloth::contact::ContactEvents",
         "bevy_cloth::contact::ClothForce",
+        "bevy_cloth::contact_view::ContactView",
     ];
     for name in names {
         let registration = registry.get_with_type_path(name).unwrap_or_else(|| panic!("{name} is not registered"));

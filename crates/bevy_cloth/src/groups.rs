@@ -160,6 +160,15 @@ pub(crate) fn form(
     }
 }
 
+impl Groups {
+    /// The contact of group number `group`, and which of its cloths `entity` is.
+    pub fn contacts_of(&self, group: usize, entity: Entity) -> Option<(&GroupContacts, usize)> {
+        let group = self.0.get(group)?;
+        let index = group.members.iter().position(|member| *member == entity)?;
+        Some((&group.contacts, index))
+    }
+}
+
 impl Group {
     /// A cloth's frame as seen from that of the group.
     fn seen(&self, frame: &ClothFrame) -> Pose {

@@ -6,7 +6,7 @@
 //! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`ClothSleep`], [`Shared`]
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
-//! - [Contact](#contact): [`ContactEvents`], [`ClothForce`]
+//! - [Contact](#contact): [`ContactEvents`], [`ClothForce`], [`ContactView`]
 //! - [Self-contact](#self-contact): [`SelfContact`], [`ClothTangled`], [`ClothUntangled`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
@@ -58,7 +58,7 @@
 //!
 //! # Contact
 //! A [`ClothCollider`] with [`ContactEvents`] is told by [`ContactBegan`] and [`ContactEnded`] which cloth touches it, one with
-//! [`ClothForce`] with what force all cloth together pushes it.
+//! [`ClothForce`] with what force all cloth together pushes it. A cloth with [`ContactView`] lists where it touches, for debug views.
 //!
 //! # Self-contact
 //! A cloth with the component [`SelfContact`] does not pass through itself: its layers lie on each other, the thickness of the
@@ -116,6 +116,7 @@ pub mod clock;
 pub mod cloth;
 pub mod collider;
 pub mod contact;
+pub mod contact_view;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
@@ -141,12 +142,13 @@ mod step;
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
-pub use cloth_solver::contact::SelfContact;
+pub use cloth_solver::contact::{ContactPoint, SelfContact};
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
 pub use collider::{ClothCollider, ColliderFriction};
 pub use contact::{ClothForce, ContactEvents};
+pub use contact_view::{ContactLists, ContactView, Crossing};
 pub use damage::{
     ATTRIBUTE_STRENGTH, ClothFire, ClothPiece, ClothPieces, Contagion, CutCloth, Flammability, Flammable, IgniteCloth,
     TearCloth, Tearable, WetCloth,

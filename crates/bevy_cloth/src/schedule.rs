@@ -18,8 +18,8 @@ use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
-    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, damage, fault, groups, prepare,
-    self_contact, sleep, stats, step,
+    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, contact_view, damage, fault,
+    groups, prepare, self_contact, sleep, stats, step,
 };
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
@@ -131,6 +131,7 @@ impl Plugin for ClothPlugin {
         damage::plugin(app);
         sleep::plugin(app);
         contact::plugin(app);
+        contact_view::plugin(app);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]

@@ -27,6 +27,7 @@
 //! | `fabric` | preset and every value of the fabric |
 //! | `motion` | whether the cloth sleeps and when; what is a jump |
 //! | `self_contact` | whether and how the cloth keeps off itself |
+//! | `contact_view` | what of contact is drawn: candidates, contacts, crossings |
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `statistics` | particles, strain, frame rate, times |
@@ -35,6 +36,7 @@
 
 mod air;
 mod cloth;
+mod contact_view;
 mod damage;
 mod fabric;
 mod fire;
@@ -52,6 +54,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_inspector_egui::DefaultInspectorConfigPlugin;
 
+pub use contact_view::ContactGizmos;
 pub use outline::{NoOutline, SelectionGizmos};
 
 /// The entity that is selected, if any. Write it from your own picking.
@@ -85,7 +88,7 @@ impl Plugin for ClothInspectorPlugin {
             warn!("ClothInspectorPlugin shows nothing: add bevy_egui's EguiPlugin before it");
             return;
         }
-        app.add_plugins((DefaultInspectorConfigPlugin, outline::OutlinePlugin))
+        app.add_plugins((DefaultInspectorConfigPlugin, outline::OutlinePlugin, contact_view::ContactViewPlugin))
             .init_resource::<Selected>()
             .init_resource::<InspectorOpen>()
             .init_resource::<PanelWidth>()

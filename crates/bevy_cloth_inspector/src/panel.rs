@@ -5,8 +5,8 @@ use bevy_cloth::{Cloth, Fan};
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use crate::{
-    InspectorOpen, PanelWidth, Selected, air, cloth, damage, fabric, fire, motion, object, self_contact, statistics,
-    world,
+    InspectorOpen, PanelWidth, Selected, air, cloth, contact_view, damage, fabric, fire, motion, object, self_contact,
+    statistics, world,
 };
 
 /// Width of the panel, logical pixels.
@@ -45,6 +45,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
         section(ui, "Cloth", true, |ui| cloth::show(ui, world, entity));
         section(ui, "Fabric", true, |ui| fabric::show(ui, world, entity));
         section(ui, "Self-contact", true, |ui| self_contact::show(ui, world, entity));
+        section(ui, "Contact view", false, |ui| contact_view::show(ui, world, entity));
         section(ui, "Tearing", true, |ui| damage::tearing(ui, world, entity));
         section(ui, "Fire", true, |ui| fire::show(ui, world, entity));
         section(ui, "Sleep", true, |ui| motion::sleep(ui, world, entity));

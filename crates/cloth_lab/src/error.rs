@@ -11,6 +11,12 @@ pub enum LabError {
         /// How many.
         failed: usize,
     },
+    /// Trials of the stability plan did not hold.
+    #[error("{failed} trials do not hold")]
+    Unstable {
+        /// How many.
+        failed: usize,
+    },
     /// A file could not be read or written.
     #[error("{path}: {error}", path = path.display())]
     File {

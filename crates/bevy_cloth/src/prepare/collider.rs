@@ -128,6 +128,17 @@ impl ColliderState {
     }
 }
 
+impl ClothCollider {
+    /// Its shape in its own frame with its entity's scale taken in: for those that ask how far they are from it, as a body that
+    /// bounces off it does.
+    ///
+    /// # Errors
+    /// The field that is out of its range, with value and range; of a [`ClothCollider::Mesh`], whose shape is that of its entity's mesh.
+    pub fn shape(&self, scale: Vec3) -> Result<Shape, ClothError> {
+        shape(self, scale, None)
+    }
+}
+
 /// One collider in this tick, in the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {

@@ -1,6 +1,7 @@
 //! Maps of where methods fail: step length and stiffness, substeps and mass ratio, substeps and mesh size; and which of
-//! random cloths come to rest.
+//! random cloths come to rest. Everything together, on all scenes of the stability plan.
 
+pub mod full;
 mod maps;
 pub mod monkey;
 pub mod random;
@@ -45,6 +46,16 @@ pub struct Args {
     /// In place of the maps: plays a plan of the monkey that was written to this file.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["random", "monkey"])]
     pub replay: Option<std::path::PathBuf>,
+    /// In place of the maps: plays every scene of the stability plan, swept, with an hour's soak and 100,000 ticks of the monkey.
+    #[arg(long, conflicts_with_all = ["random", "monkey", "replay"])]
+    pub full: bool,
+    /// How much of `--full` is played: its part of the random trials, above 0, up to 1. Below 0.1 the soak, the monkey and the
+    /// sweeps are shorter, too: 0.002 takes a minute.
+    #[arg(long, default_value = "1", value_name = "PART", requires = "full")]
+    pub size: full::Part,
+    /// Rows of the stability plan that `--full` plays, separated by commas. Default: all.
+    #[arg(long, value_delimiter = ',', requires = "full", value_name = "LIST")]
+    pub rows: Vec<u32>,
     /// What the monkey has at hand, separated by commas. Default: all.
     #[arg(long, value_delimiter = ',', value_parser = tool, value_name = "LIST")]
     pub tools: Vec<monkey::Tool>,
@@ -106,6 +117,9 @@ pub fn checks(methods: &[Method]) -> Vec<Check> {
 /// # Errors
 /// A file that could not be written.
 pub fn run(args: &Args) -> Result<(), LabError> {
+    if args.full {
+        return full::run(args.size, args.seed, &args.rows, &args.output);
+    }
     if let Some(count) = args.random {
         return random::run(count, args.seed, &args.output);
     }

@@ -11,6 +11,7 @@
 
 mod approach;
 mod cloth;
+mod contact_points;
 mod features;
 mod near;
 mod near_mesh;
@@ -23,6 +24,7 @@ mod touch;
 
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
+pub use contact_points::ContactPoint;
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Curved, Form, Shape, TriangleMesh};
 pub use touch::Touch;

@@ -115,7 +115,17 @@ pub fn run(ticks: u32, seed: u64, tools: &[Tool], output: &Output) -> Result<(),
         episodes.len(),
         began.elapsed().as_secs_f64()
     );
-    for episode in failed.iter().take(SHOWN) {
+    write_failed(failed.iter().copied(), output)?;
+    if failed.is_empty() { Ok(()) } else { Err(LabError::Failed { failed: failed.len() }) }
+}
+
+/// Shrinks the first plans that failed, prints what did not hold and writes each to a file.
+///
+/// # Errors
+/// A file that could not be written.
+pub fn write_failed<'a>(episodes: impl IntoIterator<Item = &'a Episode>, output: &Output) -> Result<(), LabError> {
+    let failed = episodes.into_iter().filter(|episode| episode.seen.fault.is_some());
+    for episode in failed.take(SHOWN) {
         let Episode { seed, plan, seen } = episode;
         let small = shrink(plan);
         let (fault, tick) = seen.fault.unwrap_or((Fault::Refused, 0));
@@ -135,5 +145,5 @@ pub fn run(ticks: u32, seed: u64, tools: &[Tool], output: &Output) -> Result<(),
         let text = ron::ser::to_string_pretty(&small, ron::ser::PrettyConfig::default()).unwrap_or_default();
         output.write(&format!("monkey_{seed}.ron"), &text)?;
     }
-    if failed.is_empty() { Ok(()) } else { Err(LabError::Failed { failed: failed.len() }) }
+    Ok(())
 }

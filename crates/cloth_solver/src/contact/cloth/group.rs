@@ -30,7 +30,7 @@ pub struct GroupContacts {
     /// All of them in one, as far as contact needs to know.
     topology: Topology,
     particles: Particles,
-    state: State,
+    pub(super) state: State,
 }
 
 #[derive(Clone, Debug)]
@@ -210,6 +210,11 @@ impl GroupContacts {
                 .count(),
             is_bounded: pairs.is_bounded,
         };
+    }
+
+    /// The slots of a cloth among those of the group, and its frame as seen from that of the group.
+    pub(super) fn slots_and_frame(&self, index: usize) -> Option<(Range<u32>, Pose)> {
+        self.members.get(index).map(|member| (member.slots.clone(), member.frame))
     }
 
     /// How often candidates have been looked for so far.

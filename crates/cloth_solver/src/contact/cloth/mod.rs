@@ -24,6 +24,7 @@ mod stop;
 mod surfaces;
 mod sweep;
 mod tangle;
+mod view;
 mod zone;
 
 pub use group::GroupContacts;

@@ -100,6 +100,16 @@ impl Response {
         self.contacts.iter().filter(|contact| contact.presses()).map(|contact| &contact.ids)
     }
 
+    /// The same with the weights and the normal of each.
+    pub fn pressing_contacts(&self) -> impl Iterator<Item = (&[u32; 4], &[f32; 4], Vec3A)> {
+        self.contacts.iter().filter(|contact| contact.presses()).map(Contact::points)
+    }
+
+    /// Where the particles of all pairs were when the last substep ended, m.
+    pub fn ends(&self) -> &[Vec3A] {
+        &self.ends
+    }
+
     /// Whether someone else has moved a particle that is at `position` by more than `least` (m) since the last substep ended.
     pub fn was_moved(&self, position: &Soa3, least: f32) -> bool {
         let end = |slot: u32| self.ends[slot as usize];

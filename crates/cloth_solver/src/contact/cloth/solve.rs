@@ -142,6 +142,11 @@ impl Contact {
         })
     }
 
+    /// Its particles, their weights, and the way from the second point to the first.
+    pub fn points(&self) -> (&[u32; 4], &[f32; 4], Vec3A) {
+        (&self.ids, &self.weights, self.normal)
+    }
+
     /// Whether it presses.
     pub fn presses(&self) -> bool {
         self.push > 0.0

@@ -1,0 +1,152 @@
+//! The ball that a key throws from the camera through the cursor, and the slider for its speed.
+
+mod flight;
+#[cfg(test)]
+mod tests;
+
+use std::ops::RangeInclusive;
+
+use bevy::camera::Camera3d;
+use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
+use bevy_cloth::{ClothClock, ClothCollider, ClothForce, ClothSchedule, ClothSystems, ClothTime};
+use bevy_egui::input::EguiWantsInput;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+
+use crate::scenes::glossy;
+use crate::select::Selectable;
+use crate::shapes::mesh_of;
+
+use flight::Ball;
+
+/// Radius of a ball, m: that of a football.
+const RADIUS: f32 = 0.11;
+/// The most balls there are: the next one replaces the oldest.
+pub const MOST: usize = 8;
+/// How far in front of the camera a ball appears, m.
+const REACH: f32 = 0.5;
+/// Colour of a ball.
+const COLOR: Color = Color::srgb(0.85, 0.33, 0.10);
+/// Where the slider is, from the lower left corner of the window, logical pixels.
+const SLIDER: [f32; 2] = [84.0, -6.0];
+
+/// Throws a ball from the camera through the cursor. If the cursor is outside of the scene, through the scene's middle.
+#[derive(Event, Clone, Copy, Debug)]
+pub struct ThrowBall;
+
+/// How fast a ball is thrown, m/s, in [`ThrowSpeed::RANGE`]. Default 12.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct ThrowSpeed(pub f32);
+
+impl ThrowSpeed {
+    /// The speeds that can be chosen, m/s. A collider faster than 0.75 m in a tick would count as teleported.
+    pub const RANGE: RangeInclusive<f32> = 1.0..=40.0;
+}
+
+impl Default for ThrowSpeed {
+    fn default() -> Self {
+        Self(12.0)
+    }
+}
+
+/// The visible body of a ball, a child of it: drawn between the last two ticks, as cloth is.
+#[derive(Component)]
+struct Body;
+
+/// Throws balls and lets them fly.
+pub struct ThrowPlugin;
+
+impl Plugin for ThrowPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ThrowSpeed>()
+            .add_observer(throw)
+            .add_systems(ClothSchedule, flight::fly.before(ClothSystems::Prepare))
+            .add_systems(Update, give_bodies_meshes)
+            .add_systems(PostUpdate, place_bodies.after(ClothSystems::Draw))
+            .add_systems(EguiPrimaryContextPass, show_slider);
+    }
+}
+
+fn throw(
+    _: On<ThrowBall>,
+    speed: Res<ThrowSpeed>,
+    panels: Res<EguiWantsInput>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
+    balls: Query<(Entity, &Ball)>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    (mut material, mut count): (Local<Option<Handle<StandardMaterial>>>, Local<u32>),
+    mut commands: Commands,
+) {
+    let active = cameras.iter().filter(|(camera, _)| camera.is_active);
+    let Some((camera, eye)) = active.min_by_key(|(camera, _)| camera.order) else { return };
+    let Some(view) = camera.logical_viewport_rect() else { return };
+    let cursor = windows.single().ok().and_then(Window::cursor_position);
+    let aim = cursor.filter(|at| view.contains(*at) && !panels.wants_any_pointer_input()).unwrap_or(view.center());
+    let Ok(ray) = camera.viewport_to_world(eye, aim) else { return };
+    let mut known: Vec<_> = balls.iter().map(|(entity, ball)| (ball.number, entity)).collect();
+    known.sort_unstable();
+    let surplus = (known.len() + 1).saturating_sub(MOST);
+    known.iter().take(surplus).for_each(|(_, oldest)| commands.entity(*oldest).despawn());
+    *count += 1;
+    let material = material.get_or_insert_with(|| materials.add(glossy(COLOR))).clone();
+    let at = ray.origin + ray.direction * REACH;
+    commands.spawn((
+        Name::new(format!("ball {}", *count)),
+        Selectable(0),
+        Ball::new(*count, at, ray.direction * speed.0),
+        ClothCollider::Sphere { radius: RADIUS },
+        ClothForce::default(),
+        Transform::from_translation(at),
+        Visibility::default(),
+        children![(Body, MeshMaterial3d(material))],
+    ));
+}
+
+/// Gives the body of every new or changed ball the mesh of its shape.
+fn give_bodies_meshes(
+    balls: Query<(&ClothCollider, &Children), (With<Ball>, Changed<ClothCollider>)>,
+    bodies: Query<(), With<Body>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut commands: Commands,
+) {
+    for (collider, children) in &balls {
+        if let Some(mesh) = mesh_of(collider) {
+            let mesh = meshes.add(mesh);
+            for body in children.iter().filter(|child| bodies.contains(*child)) {
+                commands.entity(body).insert(Mesh3d(mesh.clone()));
+            }
+        }
+    }
+}
+
+/// Draws every ball where it is between the last two ticks.
+fn place_bodies(
+    balls: Query<(&Ball, &Transform)>,
+    mut bodies: Query<(&ChildOf, &mut GlobalTransform), With<Body>>,
+    time: Res<Time<ClothClock>>,
+) {
+    for (parent, mut shown) in &mut bodies {
+        if let Ok((ball, now)) = balls.get(parent.parent()) {
+            let translation = ball.shown_at(now.translation, time.interpolation());
+            *shown = GlobalTransform::from(Transform { translation, ..*now });
+        }
+    }
+}
+
+fn show_slider(mut contexts: EguiContexts, mut speed: ResMut<ThrowSpeed>) -> Result {
+    let context = contexts.ctx_mut()?;
+    let mut value = speed.0;
+    egui::Area::new("throw".into()).anchor(egui::Align2::LEFT_BOTTOM, SLIDER).show(context, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(egui::RichText::new("T: throw a ball at").color(egui::Color32::from_gray(50)));
+            let (least, most) = ThrowSpeed::RANGE.into_inner();
+            let slider = egui::Slider::new(&mut value, ThrowSpeed::RANGE).fixed_decimals(0).suffix(" m/s");
+            ui.add(slider).on_hover_text(format!("{least} to {most} m/s"));
+        });
+    });
+    if value != speed.0 {
+        speed.0 = value;
+    }
+    Ok(())
+}

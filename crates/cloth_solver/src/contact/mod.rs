@@ -239,6 +239,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         let is_sharp = sag.is_none_or(|sag| {
             sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
         });
+        let is_slow = calm.is_some() && shape.mesh().is_none();
         let answer = Answer::new(collider, margin, offsets[1] - offsets[0], sub.h);
         let mut found;
         if shape.mesh().is_some() || near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {

@@ -190,7 +190,8 @@ fn is_beyond<const N: usize>(patch: &Patch, corners: [usize; N], margin: f32) ->
     false
 }
 
-/// Meets a solid with corners and edges, of which `near` are met, at the distance `keep`. What was inside from the start, `inside` knows the way out of.
+/// Meets a solid with corners and edges, of which `near` are met, at the distance `keep`. `inside` knows the way out for what was inside
+/// from the start.
 fn touch_solid<const N: usize>(
     patch: &mut Patch,
     corners: [usize; N],

@@ -136,8 +136,8 @@ impl Shape {
 
     /// Signed distance from the surface to `p` (negative inside), m, and the outward normal there, of unit length.
     ///
-    /// Exact outside of every shape, and inside of a ball, a capsule and an ellipsoid. Inside any other convex solid it is the plane of least depth, the way out for a shallow
-    /// particle. Never NaN for a finite `p`: where all directions are equal, the normal is +y at the centre of a sphere
+    /// Exact outside of every shape, and inside of a ball, a capsule and an ellipsoid. Inside any other convex solid it is the plane of
+    /// least depth, the way out for a shallow particle. Never NaN for a finite `p`: where all directions are equal, the normal is +y at the centre of a sphere
     /// and +x on the axis of a capsule.
     pub fn distance_and_normal(&self, p: Vec3) -> (f32, Vec3) {
         match self {

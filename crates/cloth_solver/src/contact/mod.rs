@@ -240,7 +240,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
             sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
         });
         let is_slow = calm.is_some() && shape.mesh().is_none();
-        let answer = Answer::new(collider, margin, offsets[1] - offsets[0], sub.h);
+        let answer = Answer::new(collider, margin, offsets[1] - offsets[0], is_slow, sub.h);
         let mut found;
         if shape.mesh().is_some() || near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);

@@ -28,6 +28,8 @@ pub(super) struct Answer {
     pub friction: f32,
     /// How far what began inside the solid may be moved out, m.
     pub way_out: f32,
+    /// How far it may move in all, m: no link pulls it along faster while the cloth leaves a solid that it was put into.
+    pub most_way: f32,
     /// How far the collider comes in the substep without giving speed to what it pushes, m.
     pub arrives: Vec3,
     /// Part of the substep that this is, 0..=1.
@@ -36,8 +38,10 @@ pub(super) struct Answer {
 
 impl Answer {
     /// Of `collider` in a whole substep of `h` s.
-    pub fn new(collider: &Collider, margin: f32, arrives: Vec3, h: f32) -> Self {
-        Self { margin, friction: collider.friction, way_out: DEPENETRATION_SPEED * h, arrives, part: 1.0 }
+    pub fn new(collider: &Collider, margin: f32, arrives: Vec3, is_slow: bool, h: f32) -> Self {
+        let way_out = DEPENETRATION_SPEED * h;
+        let most_way = if is_slow { way_out } else { f32::INFINITY };
+        Self { margin, friction: collider.friction, way_out, most_way, arrives, part: 1.0 }
     }
 
     /// Where a collider that was at `start` would have been, had it arrived by then: what it has moved from there is its speed.
@@ -47,7 +51,7 @@ impl Answer {
 
     /// In a part of the substep.
     pub fn in_part(self, part: f32) -> Self {
-        Self { way_out: self.way_out * part, part, ..self }
+        Self { way_out: self.way_out * part, most_way: self.most_way * part, part, ..self }
     }
 }
 
@@ -124,8 +128,14 @@ pub(super) fn meet<S: Simd>(
     let dragged = sliding * (stopped * splat(simd, answer.part));
     let left = sliding * (one - stopped) + normal * along.max(zero);
     let still = Vec3x8 { x: zero, y: zero, z: zero };
+    let mut moved_out = normal * push;
+    if answer.most_way.is_finite() {
+        let way = now + moved_out - before;
+        let part = (splat(simd, answer.most_way) / way.length().max(tiny)).min(one);
+        moved_out = before + way * part - now;
+    }
     Met {
-        shift: select(hit, normal * push - select(buried, still, dragged), still),
+        shift: select(hit, select(buried, moved_out, normal * push - dragged), still),
         slip: select(hit, select(buried, still, left), slip),
         hit,
         depth: hit.select(depth, zero),

@@ -5,7 +5,7 @@ mod common;
 
 use std::f32::consts::{E, FRAC_PI_2, FRAC_PI_4, PI};
 
-use cloth_solver::contact::{Collider, Shape};
+use cloth_solver::contact::Shape;
 use cloth_solver::forces::Air;
 use cloth_solver::{Cloth, Fabric, Soa3, measure};
 use common::*;
@@ -15,35 +15,6 @@ const POPLIN: Fabric = Fabric::COTTON_POPLIN;
 
 /// What a triangle at rest may be deep in a solid, m.
 const MOST_DEPTH: f32 = 0.1 * POPLIN.thickness + 2e-4;
-
-/// A sheet of 0.8 m that lies `above` the middle of a solid, which stands above ground at −0.3 m.
-fn laid(shape: Shape, rotation: Quat, above: f32) -> Cloth {
-    let mut cloth = rectangle(0.8, 0.8, 32, 32, &POPLIN);
-    place(&mut cloth, Quat::from_rotation_x(-FRAC_PI_2), Vec3::new(0.01, above, 0.02));
-    let ground = collider(Shape::HalfSpace, Vec3::Y * -0.3, Quat::IDENTITY, POPLIN.friction);
-    cloth.contacts.set_colliders([collider(shape, Vec3::ZERO, rotation, POPLIN.friction), ground]);
-    cloth
-}
-
-/// How far the deepest point of a triangle, its corners included, is inside a collider, m.
-fn deepest(cloth: &Cloth) -> f32 {
-    let depth =
-        |collider: &Collider, x: Vec3| -collider.shape.distance_and_normal(collider.motion.to.inverse_point(x)).0;
-    let steps = 8;
-    let shares = (0..=steps).flat_map(|i| (0..=steps - i).map(move |j| [i, j].map(|k| k as f32 / steps as f32)));
-    let shares: Vec<[f32; 2]> = shares.collect();
-    let mut deepest = f32::NEG_INFINITY;
-    for triangle in &cloth.topology.triangles {
-        let [a, b, c] = triangle.map(|slot| cloth.particles.position.get(slot as usize));
-        for [u, v] in &shares {
-            let x = a * (1.0 - u - v) + b * *u + c * *v;
-            for collider in &cloth.contacts.colliders {
-                deepest = deepest.max(depth(collider, x));
-            }
-        }
-    }
-    deepest
-}
 
 fn pyramid() -> Shape {
     Shape::pyramid(Vec2::splat(0.5), 0.4).unwrap()
@@ -59,7 +30,7 @@ fn cloth_spawned_in_a_solid_leaves_it_and_rests() {
     for (name, shape) in shapes {
         let mut cloth = laid(shape, Quat::IDENTITY, 0.01);
         run(&mut cloth, 10.0);
-        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest(&cloth));
+        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest_triangle(&cloth));
         assert!(speed < 0.03, "{speed} m/s on {name} 10 s later");
         assert!(depth < MOST_DEPTH, "{depth} m in {name} 10 s later");
     }
@@ -81,7 +52,7 @@ fn cloth_rests_on_what_is_sharp_and_no_triangle_sinks_in() {
     for (name, shape, rotation) in cases {
         let mut cloth = laid(shape, rotation, 0.3);
         run(&mut cloth, 12.0);
-        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest(&cloth));
+        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest_triangle(&cloth));
         assert!(speed < 0.03, "{speed} m/s on {name}");
         assert!(depth < MOST_DEPTH, "{depth} m into {name}");
     }

@@ -4,41 +4,10 @@ mod common;
 
 use std::f32::consts::FRAC_PI_2;
 
-use cloth_solver::contact::{Collider, Shape};
-use cloth_solver::{Cloth, Fabric, measure};
+use cloth_solver::contact::Shape;
+use cloth_solver::measure;
 use common::*;
 use glam::{Quat, Vec3};
-
-const POPLIN: Fabric = Fabric::COTTON_POPLIN;
-
-/// A sheet of 0.8 m that lies `above` the middle of a solid, which stands above ground at −0.3 m.
-fn laid(shape: Shape, rotation: Quat, above: f32) -> Cloth {
-    let mut cloth = rectangle(0.8, 0.8, 32, 32, &POPLIN);
-    place(&mut cloth, Quat::from_rotation_x(-FRAC_PI_2), Vec3::new(0.01, above, 0.02));
-    let ground = collider(Shape::HalfSpace, Vec3::Y * -0.3, Quat::IDENTITY, POPLIN.friction);
-    cloth.contacts.set_colliders([collider(shape, Vec3::ZERO, rotation, POPLIN.friction), ground]);
-    cloth
-}
-
-/// How far the deepest point of a triangle, its corners included, is inside a collider, m.
-fn deepest(cloth: &Cloth) -> f32 {
-    let depth =
-        |collider: &Collider, x: Vec3| -collider.shape.distance_and_normal(collider.motion.to.inverse_point(x)).0;
-    let steps = 8;
-    let shares = (0..=steps).flat_map(|i| (0..=steps - i).map(move |j| [i, j].map(|k| k as f32 / steps as f32)));
-    let shares: Vec<[f32; 2]> = shares.collect();
-    let mut deepest = f32::NEG_INFINITY;
-    for triangle in &cloth.topology.triangles {
-        let [a, b, c] = triangle.map(|slot| cloth.particles.position.get(slot as usize));
-        for [u, v] in &shares {
-            let x = a * (1.0 - u - v) + b * *u + c * *v;
-            for collider in &cloth.contacts.colliders {
-                deepest = deepest.max(depth(collider, x));
-            }
-        }
-    }
-    deepest
-}
 
 /// Lays a sheet over each and tells which of them it does not rest on, or sinks into by more than `most_depth`, m.
 fn failures(cases: Vec<(&str, Shape, Quat, f32)>) -> Vec<String> {
@@ -46,7 +15,7 @@ fn failures(cases: Vec<(&str, Shape, Quat, f32)>) -> Vec<String> {
     for (name, shape, rotation, most_depth) in cases {
         let mut cloth = laid(shape, rotation, 0.3);
         run(&mut cloth, 12.0);
-        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest(&cloth));
+        let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest_triangle(&cloth));
         let line = format!("{name}: {speed} m/s, {depth} m deep, {} contacts", cloth.contacts.touching);
         let is_at_rest = speed < 0.03 && depth < most_depth && cloth.contacts.touching > 50;
         failures.extend((!is_at_rest).then_some(line));

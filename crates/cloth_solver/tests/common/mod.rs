@@ -116,3 +116,32 @@ pub fn collider(shape: Shape, position: Vec3, rotation: Quat, friction: f32) -> 
 pub fn positions(cloth: &Cloth) -> Vec<Vec3> {
     cloth.topology.particles().map(|p| cloth.particles.position.get(p as usize)).collect()
 }
+
+/// A sheet of 0.8 m that lies `above` the middle of a solid, which stands above ground at −0.3 m.
+pub fn laid(shape: Shape, rotation: Quat, above: f32) -> Cloth {
+    let mut cloth = rectangle(0.8, 0.8, 32, 32, &Fabric::COTTON_POPLIN);
+    place(&mut cloth, Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2), Vec3::new(0.01, above, 0.02));
+    let ground = collider(Shape::HalfSpace, Vec3::Y * -0.3, Quat::IDENTITY, Fabric::COTTON_POPLIN.friction);
+    cloth.contacts.set_colliders([collider(shape, Vec3::ZERO, rotation, Fabric::COTTON_POPLIN.friction), ground]);
+    cloth
+}
+
+/// How far the deepest point of a triangle, its corners included, is inside a collider, m.
+pub fn deepest_triangle(cloth: &Cloth) -> f32 {
+    let depth =
+        |collider: &Collider, x: Vec3| -collider.shape.distance_and_normal(collider.motion.to.inverse_point(x)).0;
+    let steps = 8;
+    let shares = (0..=steps).flat_map(|i| (0..=steps - i).map(move |j| [i, j].map(|k| k as f32 / steps as f32)));
+    let shares: Vec<[f32; 2]> = shares.collect();
+    let mut deepest = f32::NEG_INFINITY;
+    for triangle in &cloth.topology.triangles {
+        let [a, b, c] = triangle.map(|slot| cloth.particles.position.get(slot as usize));
+        for [u, v] in &shares {
+            let x = a * (1.0 - u - v) + b * *u + c * *v;
+            for collider in &cloth.contacts.colliders {
+                deepest = deepest.max(depth(collider, x));
+            }
+        }
+    }
+    deepest
+}

@@ -1,7 +1,7 @@
 //! The camera that orbits the scene, and the one that draws the panels on top.
 
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{ClearColorConfig, RenderTarget, ShadowLodOrigin, Viewport};
+use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, ShadowLodOrigin, Viewport};
 use bevy::gizmos::transform_gizmo::TransformGizmoCamera;
 use bevy::prelude::*;
 use bevy_cloth_inspector::PanelWidth;
@@ -17,13 +17,21 @@ const PANELS_ORDER: isize = 2;
 #[derive(Resource, Clone)]
 pub struct Canvas(pub RenderTarget);
 
-/// Where a scene is looked at from at first.
+/// Where a scene is looked at from at first. Changing it moves the camera there.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Viewpoint {
     /// The camera's place, m.
     pub from: Vec3,
     /// The point in the middle of the picture, m.
     pub to: Vec3,
+    /// Vertical field of view, degrees.
+    pub field: f32,
+}
+
+impl Default for Viewpoint {
+    fn default() -> Self {
+        Self { from: Vec3::new(1.5, 1.5, 4.0), to: Vec3::Y, field: 45.0 }
+    }
 }
 
 /// Adds both cameras.
@@ -32,29 +40,22 @@ pub struct CameraPlugin;
 impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(PanOrbitCameraPlugin)
-            .add_systems(PostStartup, spawn_cameras)
-            .add_systems(Update, leave_room_for_panel);
+            .init_resource::<Viewpoint>()
+            .add_systems(Startup, spawn_cameras)
+            .add_systems(Update, (leave_room_for_panel, look_from.run_if(resource_changed::<Viewpoint>)));
         app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
     }
 }
 
-fn spawn_cameras(
-    mut commands: Commands,
-    canvas: Res<Canvas>,
-    viewpoint: Res<Viewpoint>,
-    mut images: ResMut<Assets<Image>>,
-) {
-    let Viewpoint { from, to } = *viewpoint;
+fn spawn_cameras(mut commands: Commands, canvas: Res<Canvas>) {
     commands.spawn((
         Name::new("Camera"),
         Camera3d::default(),
         canvas.0.clone(),
-        Transform::from_translation(from).looking_at(to, Vec3::Y),
         TransformGizmoCamera,
         // Said of itself of a window only; Bevy warns of lights without one.
         ShadowLodOrigin,
         PanOrbitCamera {
-            focus: to,
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Left,
             modifier_pan: Some(KeyCode::ShiftLeft),
@@ -65,7 +66,7 @@ fn spawn_cameras(
             use_real_time: true,
             ..default()
         },
-        look::atmosphere(&mut images),
+        look::eyes(),
     ));
     commands.spawn((
         Name::new("Camera of the panels"),
@@ -73,8 +74,23 @@ fn spawn_cameras(
         PrimaryEguiContext,
         canvas.0.clone(),
         RenderLayers::none(),
+        // Cameras that draw on one picture must agree on its format.
+        Hdr,
         Camera { order: PANELS_ORDER, clear_color: ClearColorConfig::None, ..default() },
     ));
+}
+
+/// Takes the camera to where the scene is to be looked at from.
+fn look_from(mut cameras: Query<(&mut Transform, &mut PanOrbitCamera, &mut Projection)>, viewpoint: Res<Viewpoint>) {
+    let Viewpoint { from, to, field } = *viewpoint;
+    for (mut place, mut orbit, mut projection) in &mut cameras {
+        *place = Transform::from_translation(from).looking_at(to, Vec3::Y);
+        (orbit.focus, orbit.yaw, orbit.pitch, orbit.radius) = (to, None, None, None);
+        orbit.initialized = false;
+        if let Projection::Perspective(lens) = &mut *projection {
+            lens.fov = field.to_radians();
+        }
+    }
 }
 
 /// The scene is drawn beside the inspector, not behind it.

@@ -1,7 +1,8 @@
 //! Selecting by click or number, and the transform gizmo on what is selected.
 
-use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{ClearColorConfig, Hdr};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::gizmos::transform_gizmo::{
     TransformGizmoFocus, TransformGizmoMode, TransformGizmoSettings, TransformGizmoState,
 };
@@ -57,7 +58,8 @@ fn mend_overlay(mut commands: Commands, mut cameras: Query<(Entity, &mut Camera,
     let layer = RenderLayers::layer(GIZMO_LAYER);
     for (entity, mut camera, _) in cameras.iter_mut().filter(|(_, _, layers)| **layers == layer) {
         camera.clear_color = ClearColorConfig::None;
-        commands.entity(entity).insert(Overlay);
+        // It draws on the finished picture of the scene's camera, whose format it must share.
+        commands.entity(entity).insert((Overlay, Hdr, Tonemapping::None));
     }
 }
 

@@ -1,52 +1,84 @@
-//! The scenes by name, and those in files.
+//! The scenes of the game by name.
 
-use cloth_scene::Scene as SceneFile;
+use cloth_scene::Scene;
 
-/// What can be opened with `--scene`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Scene {
-    /// A curtain on a rod, with a sphere, a pyramid and a capsule to push through it, and a fan.
-    Sandbox,
-    /// A scene file.
-    File(Box<SceneFile>),
+/// A scene of the game.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The name of its file, without ending.
+    pub name: &'static str,
+    /// The file.
+    ron: &'static str,
+    /// A small picture of it, PNG.
+    pub picture: Option<&'static [u8]>,
+}
+
+macro_rules! entry {
+    ($name:literal) => {
+        Entry { name: $name, ron: include_str!(concat!("../../assets/scenes/", $name, ".ron")), picture: None }
+    };
+    ($name:literal, picture) => {
+        Entry { picture: Some(include_bytes!(concat!("../../assets/menu/", $name, ".png"))), ..entry!($name) }
+    };
 }
 
 /// The name of the scene that opens without `--scene`.
 pub const SANDBOX: &str = "sandbox";
 
-/// The scene files of the game by name, inside the program: it runs wherever it is started from.
-pub const FILES: [(&str, &str); 10] = [
-    ("top_hung", include_str!("../../assets/scenes/top_hung.ron")),
-    ("corner_hung", include_str!("../../assets/scenes/corner_hung.ron")),
-    ("weight_on_corner", include_str!("../../assets/scenes/weight_on_corner.ron")),
-    ("swing", include_str!("../../assets/scenes/swing.ron")),
-    ("drape_on_sphere", include_str!("../../assets/scenes/drape_on_sphere.ron")),
-    ("tablecloth", include_str!("../../assets/scenes/tablecloth.ron")),
-    ("towel_on_box", include_str!("../../assets/scenes/towel_on_box.ron")),
-    ("curtain", include_str!("../../assets/scenes/curtain.ron")),
-    ("flag_in_wind", include_str!("../../assets/scenes/flag_in_wind.ron")),
-    ("burning_curtain", include_str!("../../assets/scenes/burning_curtain.ron")),
+/// The scenes of the menu, inside the program: it runs wherever it is started from. The first nine are on the number keys.
+pub const MENU: [Entry; 9] = [
+    entry!("sandbox"),
+    entry!("flag"),
+    entry!("laundry"),
+    entry!("tablecloth"),
+    entry!("curtains"),
+    entry!("fire_test"),
+    entry!("trampoline"),
+    entry!("tearing"),
+    entry!("side_by_side"),
+];
+
+/// Plain scenes, most of them the lab's.
+pub const MORE: [Entry; 9] = [
+    entry!("burning_curtain"),
+    entry!("flag_in_wind"),
+    entry!("towel_on_box"),
+    entry!("curtain"),
+    entry!("top_hung"),
+    entry!("corner_hung"),
+    entry!("weight_on_corner"),
+    entry!("swing"),
+    entry!("drape_on_sphere"),
 ];
 
 /// The names, for the command line's help.
 pub fn names() -> String {
-    let names: Vec<&str> = std::iter::once(SANDBOX).chain(FILES.iter().map(|(name, _)| *name)).collect();
+    let names: Vec<&str> = MENU.iter().chain(&MORE).map(|entry| entry.name).collect();
     names.join(", ")
 }
 
-/// The scene of that name, or in the file of that path (`.ron`).
-pub fn open(text: &str) -> Result<Scene, String> {
-    if text == SANDBOX {
-        return Ok(Scene::Sandbox);
+/// A scene of the game.
+pub fn find(name: &str) -> Option<&'static Entry> {
+    MENU.iter().chain(&MORE).find(|entry| entry.name == name)
+}
+
+impl Entry {
+    /// The scene. The files of the game are checked by a test; one that is wrong gives an empty scene.
+    pub fn scene(&self) -> Box<Scene> {
+        Box::new(Scene::from_ron(self.ron).unwrap_or_default())
     }
-    let ron = match FILES.iter().find(|(name, _)| *name == text) {
-        Some((_, ron)) => (*ron).to_string(),
+}
+
+/// The scene of that name, or in the file of that path (`.ron`).
+pub fn open(text: &str) -> Result<Box<Scene>, String> {
+    let ron = match find(text) {
+        Some(entry) => entry.ron.to_string(),
         None if text.ends_with(".ron") => std::fs::read_to_string(text).map_err(|error| error.to_string())?,
         None => {
             return Err(format!("there is no scene of that name; there are {}, or a path that ends in .ron", names()));
         }
     };
-    SceneFile::from_ron(&ron).map(|scene| Scene::File(Box::new(scene))).map_err(|error| error.to_string())
+    Scene::from_ron(&ron).map(Box::new).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -60,19 +92,20 @@ mod tests {
             .expect("the folder is there")
             .map(|entry| entry.expect("readable").path().file_stem().expect("a name").to_string_lossy().into_owned())
             .collect();
-        let mut names = FILES.map(|(name, _)| name.to_string()).to_vec();
+        let mut names: Vec<String> = MENU.iter().chain(&MORE).map(|entry| entry.name.to_string()).collect();
         files.sort_unstable();
         names.sort_unstable();
         assert_eq!(files, names);
         for name in names {
-            assert!(matches!(open(&name), Ok(Scene::File(_))), "{name}");
+            let scene = open(&name).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(!scene.title.is_empty() && !scene.about.is_empty(), "{name}");
         }
     }
 
     #[test]
     fn what_cannot_be_opened_says_why() {
         let why = |text| open(text).expect_err("refused");
-        assert!(why("circus").contains("sandbox, top_hung"), "{}", why("circus"));
+        assert!(why("circus").contains("sandbox, flag"), "{}", why("circus"));
         assert!(why("no/such/file.ron").contains("No such file"), "{}", why("no/such/file.ron"));
     }
 }

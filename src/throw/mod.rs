@@ -13,7 +13,7 @@ use bevy_cloth::{ClothClock, ClothCollider, ClothForce, ClothSchedule, ClothSyst
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
-use crate::scenes::glossy;
+use crate::scenes::{OfScene, paint};
 use crate::select::Selectable;
 use crate::shapes::mesh_of;
 
@@ -89,9 +89,10 @@ fn throw(
     let surplus = (known.len() + 1).saturating_sub(MOST);
     known.iter().take(surplus).for_each(|(_, oldest)| commands.entity(*oldest).despawn());
     *count += 1;
-    let material = material.get_or_insert_with(|| materials.add(glossy(COLOR))).clone();
+    let material = material.get_or_insert_with(|| materials.add(paint(COLOR))).clone();
     let at = ray.origin + ray.direction * REACH;
     commands.spawn((
+        OfScene,
         Name::new(format!("ball {}", *count)),
         Selectable(0),
         Ball::new(*count, at, ray.direction * speed.0),

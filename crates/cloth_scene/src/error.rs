@@ -57,6 +57,14 @@ pub enum SceneError {
         /// Field, value and range.
         error: ClothError,
     },
+    /// A value of a prop is out of range.
+    #[error("prop {prop}: {error}")]
+    Prop {
+        /// Which prop of the scene, from 0.
+        prop: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
     /// A value of the scene itself is out of range.
     #[error(transparent)]
     World(#[from] ClothError),

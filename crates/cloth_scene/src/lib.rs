@@ -6,11 +6,23 @@
 mod air;
 mod error;
 mod fire;
+mod look;
+mod motion;
+mod pins;
 mod scene;
+mod shape;
+mod view;
 mod world;
 
 pub use air::{SceneFan, SceneZone};
 pub use error::SceneError;
 pub use fire::SceneFire;
-pub use scene::{Scene, SceneCloth, SceneCollider, SceneFabric, ScenePins, ScenePlace, SceneShape, SceneWeight};
+pub use look::{SceneLook, ScenePattern, SceneWeave};
+pub use motion::SceneMotion;
+pub use pins::ScenePins;
+pub use scene::{
+    Hardware, Scene, SceneCloth, SceneCollider, SceneFabric, ScenePiece, ScenePlace, SceneTearing, SceneWeight,
+};
+pub use shape::SceneShape;
+pub use view::{Finish, Readout, SceneCamera, SceneProp, SceneView, Setting};
 pub use world::World;

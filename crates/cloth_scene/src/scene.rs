@@ -7,7 +7,10 @@ use cloth_solver::{ClothError, Fabric, Pose};
 use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{SceneError, SceneFan, SceneFire, SceneZone};
+use crate::{
+    Finish, SceneError, SceneFan, SceneFire, SceneLook, SceneMotion, ScenePins, SceneProp, SceneShape, SceneView,
+    SceneZone,
+};
 
 /// A scene: cloths, colliders, gravity, air and what moves it, and how it is advanced. Every field may be left out, none may be unknown.
 ///
@@ -68,6 +71,10 @@ pub struct Scene {
     pub cloths: Vec<SceneCloth>,
     /// What they meet.
     pub colliders: Vec<SceneCollider>,
+    /// What is only seen.
+    pub props: Vec<SceneProp>,
+    /// How it is shown.
+    pub view: SceneView,
 }
 
 impl Default for Scene {
@@ -88,11 +95,13 @@ impl Default for Scene {
             iterations: 1,
             cloths: Vec::new(),
             colliders: Vec::new(),
+            props: Vec::new(),
+            view: SceneView::default(),
         }
     }
 }
 
-/// A rectangle of fabric.
+/// A rectangle of fabric, or a piece cut out of one.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct SceneCloth {
@@ -114,6 +123,21 @@ pub struct SceneCloth {
     pub self_contact: Option<SelfContact>,
     /// How it burns, and where it is lit. Default none: it does not burn.
     pub fire: Option<SceneFire>,
+    /// How easily it tears. Default none: it only can be cut. A world played without an engine tears nothing.
+    pub tearing: Option<SceneTearing>,
+    /// The outline of a piece that is cut out of the rectangle, as parts of width (from the left) and height (from the top),
+    /// 0..=1: whole cells whose middle lies within it. Default the whole rectangle. At most 1,000 corners.
+    pub outline: Vec<Vec2>,
+    /// The method, in place of the scene's. Default none.
+    pub method: Option<Method>,
+    /// Substeps in a tick, in place of the scene's, 1..=10000. Default none.
+    pub substeps: Option<u32>,
+    /// How what holds it moves. Default none: it stands.
+    pub motion: Option<SceneMotion>,
+    /// How it looks. Default: a colour that the demo chooses.
+    pub look: Option<SceneLook>,
+    /// What is seen where it is held. Default [`Hardware::Auto`].
+    pub hardware: Hardware,
     /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z.
     pub place: ScenePlace,
 }
@@ -130,9 +154,46 @@ impl Default for SceneCloth {
             weights: Vec::new(),
             self_contact: None,
             fire: None,
+            tearing: None,
+            outline: Vec::new(),
+            method: None,
+            substeps: None,
+            motion: None,
+            look: None,
+            hardware: Hardware::default(),
             place: ScenePlace::default(),
         }
     }
+}
+
+/// How easily a cloth tears.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct SceneTearing {
+    /// Factor on the fabric's strength, above 0, up to 1000. Default 0.02: real fabric is too strong for a hand that drags it.
+    pub scale: f32,
+}
+
+impl Default for SceneTearing {
+    fn default() -> Self {
+        Self { scale: 0.02 }
+    }
+}
+
+/// What is seen where a cloth is held.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hardware {
+    /// A curtain rod with rings if it is held by [`ScenePins::Rods`] alone, else nothing.
+    #[default]
+    Auto,
+    /// Nothing.
+    None,
+    /// A curtain rod whose rings slide along it.
+    SlidingRod,
+    /// A clothes peg at each pin.
+    Pegs,
+    /// A ring at each pin, around a pole.
+    Rings,
 }
 
 /// A fabric by name, or with all its values.
@@ -150,27 +211,17 @@ impl Default for SceneFabric {
     }
 }
 
-/// What holds a cloth.
-#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
-pub enum ScenePins {
-    /// The whole top edge.
-    Top,
-    /// The two ends of the top edge.
-    Corners,
-    /// This many points spread evenly along the top edge, both ends included, 0..=100,000. One holds the middle.
-    Rods(u32),
-    /// The whole left edge, as a flag on its pole.
-    Left,
-}
-
 /// A weight on one particle.
-#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct SceneWeight {
     /// Where, as parts of width (from the left) and height (from the top): (1, 1) is the lower right corner.
     pub at: Vec2,
     /// How heavy, kg; 0..=1e6. It comes on top of the fabric's own mass.
     pub mass: f32,
+    /// What it looks like: form and surface. It stands on the cloth there and is only seen. Default: it is not seen.
+    #[serde(default)]
+    pub body: Option<(SceneShape, Finish)>,
 }
 
 /// Where something is.
@@ -190,7 +241,7 @@ impl ScenePlace {
         Pose::new(self.at, Quat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x))
     }
 
-    fn validate(&self, field: &'static str) -> Result<(), ClothError> {
+    pub(crate) fn validate(&self, field: &'static str) -> Result<(), ClothError> {
         self.at.to_array().into_iter().chain(self.turn.to_array()).try_for_each(|number| {
             ClothError::check(field, number, -1e6..=1e6, "-1,000,000..=1,000,000 m or degrees on each axis")
         })
@@ -212,64 +263,16 @@ pub struct SceneCollider {
     /// Coulomb friction against cloth in place of the fabric's own, dimensionless, 0..=10.
     #[serde(default)]
     pub friction: Option<f32>,
-}
-
-/// The form of a collider.
-#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub enum SceneShape {
-    /// A ball.
-    Sphere {
-        /// Radius, m.
-        radius: f32,
-    },
-    /// A cylinder along y with half a ball at each end.
-    Capsule {
-        /// Radius, m.
-        radius: f32,
-        /// Distance between the centres of the half-balls, m.
-        length: f32,
-    },
-    /// A box.
-    Cuboid {
-        /// Edge lengths, m.
-        size: Vec3,
-    },
-    /// A pyramid, apex up, its middle at half its height.
-    Pyramid {
-        /// Edge lengths of the base, m.
-        base: Vec2,
-        /// Height, m.
-        height: f32,
-    },
-    /// An ellipsoid.
-    Ellipsoid {
-        /// Semi-axes, m, each 1e-4..=1e4.
-        radii: Vec3,
-    },
-    /// A cylinder along y, its middle at half its height.
-    Cylinder {
-        /// Radius, m, 1e-4..=1e4.
-        radius: f32,
-        /// Height, m, 1e-4..=1e4.
-        height: f32,
-    },
-    /// A cone along y, apex up, its middle at half its height.
-    Cone {
-        /// Radius of the base, m, 1e-4..=1e4.
-        radius: f32,
-        /// Height, m, 1e-4..=1e4.
-        height: f32,
-    },
-    /// A box with rounded edges.
-    RoundedCuboid {
-        /// Overall edge lengths, m, each 1e-4..=1e4.
-        size: Vec3,
-        /// Radius of the edges, m, 1e-4 or more and less than half the shortest edge.
-        radius: f32,
-    },
-    /// Everything below the xz plane.
-    Ground,
+    /// How it moves. Default: it stands.
+    #[serde(default)]
+    pub motion: Option<SceneMotion>,
+    /// Mass of one that falls and is pushed by cloth, kg, 0.001..=1000; only of spheres. It moves in the demo; a world played
+    /// without an engine leaves it out. Default none: it is held.
+    #[serde(default)]
+    pub mass: Option<f32>,
+    /// How its surface looks. Default: a colour that the demo chooses.
+    #[serde(default)]
+    pub finish: Option<Finish>,
 }
 
 impl Scene {
@@ -318,17 +321,33 @@ impl Scene {
             spec.fan.validate().and_then(|()| spec.place.validate("SceneFan::place")).map_err(of_fan)?;
         }
         for (cloth, spec) in self.cloths.iter().enumerate() {
-            spec.place.validate("SceneCloth::place").map_err(|error| SceneError::Cloth { cloth, error })?;
+            spec.validate().map_err(|error| SceneError::Cloth { cloth, error })?;
         }
+        for (prop, spec) in self.props.iter().enumerate() {
+            let of_prop = |error| SceneError::Prop { prop, error };
+            spec.place.validate("SceneProp::place").and_then(|()| spec.finish.validate()).map_err(of_prop)?;
+        }
+        self.view.validate()?;
         for (collider, spec) in self.colliders.iter().enumerate() {
             let of_collider = |error| SceneError::Collider { collider, error };
-            spec.place.validate("SceneCollider::place").map_err(of_collider)?;
+            spec.validate().map_err(of_collider)?;
             // Seen from no cloth in particular: a scene may have none.
             crate::world::solid(spec, &Pose::IDENTITY, &Fabric::default()).map_err(of_collider)?;
         }
         // What a cloth is made of is checked by building it.
         crate::World::new(self).map(drop)
     }
+}
+
+/// A piece cut out of a rectangle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScenePiece {
+    /// Rest position of each vertex, m.
+    pub positions: Vec<Vec3>,
+    /// Texture coordinates: parts of width (from the left) and height (from the top).
+    pub uvs: Vec<Vec2>,
+    /// Triangles, counterclockwise as seen from +z.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl SceneWeight {
@@ -339,7 +358,85 @@ impl SceneWeight {
     }
 }
 
+impl SceneCollider {
+    /// One that stands.
+    pub fn new(name: &str, shape: SceneShape, place: ScenePlace) -> Self {
+        Self { name: name.into(), shape, place, friction: None, motion: None, mass: None, finish: None }
+    }
+
+    fn validate(&self) -> Result<(), ClothError> {
+        self.place.validate("SceneCollider::place")?;
+        if let Some(mass) = self.mass {
+            let (least, most) = if matches!(self.shape, SceneShape::Sphere { .. }) { (1e-3, 1e3) } else { (0.0, 0.0) };
+            ClothError::check("SceneCollider::mass", mass, least..=most, "0.001..=1000 kg, of a sphere only")?;
+        }
+        self.motion.as_ref().map_or(Ok(()), SceneMotion::validate)?;
+        self.finish.as_ref().map_or(Ok(()), Finish::validate)
+    }
+}
+
 impl SceneCloth {
+    fn validate(&self) -> Result<(), ClothError> {
+        self.place.validate("SceneCloth::place")?;
+        if let Some(substeps) = self.substeps {
+            ClothError::check("SceneCloth::substeps", substeps as f32, 1.0..=1e4, "1..=10,000")?;
+        }
+        if let Some(tearing) = self.tearing {
+            ClothError::check("SceneTearing::scale", tearing.scale, f32::MIN_POSITIVE..=1e3, "above 0, up to 1000")?;
+        }
+        ClothError::check("SceneCloth::outline", self.outline.len() as f32, 0.0..=1e3, "at most 1,000 corners")?;
+        for corner in &self.outline {
+            for part in corner.to_array() {
+                ClothError::check("SceneCloth::outline", part, 0.0..=1.0, "0..=1, parts of width and height")?;
+            }
+        }
+        self.motion.as_ref().map_or(Ok(()), SceneMotion::validate)?;
+        self.look.as_ref().map_or(Ok(()), SceneLook::validate)
+    }
+
+    /// Whether the cell of that column and row (from the top left) belongs to the piece.
+    pub fn has_cell(&self, column: u32, row: u32) -> bool {
+        let at = (Vec2::new(column as f32, row as f32) + 0.5) / self.cells.as_vec2();
+        let corners = self.outline.len();
+        // Within, if a ray to the right crosses the outline an odd number of times.
+        let crosses = |corner: usize| {
+            let (a, b) = (self.outline[corner], self.outline[(corner + 1) % corners]);
+            (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        };
+        corners == 0 || (0..corners).filter(|corner| crosses(*corner)).count() % 2 == 1
+    }
+
+    /// Rest positions, texture coordinates and triangles of a piece that is cut out of the rectangle; vertices row by row from
+    /// the top left, those of no triangle left out. `None` of a whole rectangle.
+    pub fn piece(&self) -> Option<ScenePiece> {
+        if self.outline.is_empty() {
+            return None;
+        }
+        let (columns, rows) = (self.cells.x, self.cells.y);
+        let mut number = vec![u32::MAX; ((columns + 1) * (rows + 1)) as usize];
+        let mut piece = ScenePiece::default();
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+            if !self.has_cell(column, row) {
+                continue;
+            }
+            let [a, b, c, d] =
+                [(row, column), (row, column + 1), (row + 1, column), (row + 1, column + 1)].map(|(row, column)| {
+                    let slot = (row * (columns + 1) + column) as usize;
+                    if number[slot] == u32::MAX {
+                        number[slot] = piece.positions.len() as u32;
+                        let part = Vec2::new(column as f32, row as f32) / self.cells.as_vec2();
+                        piece.positions.push(((part - 0.5) * self.size * Vec2::new(1.0, -1.0)).extend(0.0));
+                        piece.uvs.push(part);
+                    }
+                    number[slot]
+                });
+            // Diagonals alternate, so that no direction is stiffer than its mirror image.
+            let pair = if (row + column) % 2 == 0 { [[a, c, b], [b, c, d]] } else { [[a, c, d], [a, d, b]] };
+            piece.triangles.extend(pair);
+        }
+        Some(piece)
+    }
+
     /// The fabric, with the damping of this cloth.
     ///
     /// # Errors

@@ -6,13 +6,13 @@ use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
 use cloth_solver::damage::fire::{Fire, Surroundings};
 use cloth_solver::forces::GustyWind;
-use cloth_solver::topology::Resolution;
+use cloth_solver::topology::{MeshSource, Resolution};
 use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology, measure};
-use glam::UVec2;
+use glam::Vec2;
 
 use crate::fire::SceneFire;
-use crate::scene::{SceneCloth, SceneCollider, ScenePins, ScenePlace, SceneShape, SceneWeight};
-use crate::{Scene, SceneError};
+use crate::scene::{SceneCloth, SceneCollider, ScenePiece, ScenePlace, SceneWeight};
+use crate::{Scene, SceneError, SceneShape};
 
 /// The cloths of a scene, each in its own frame (the scene's [`place`](SceneCloth::place)).
 #[derive(Clone, Debug)]
@@ -50,10 +50,12 @@ impl World {
     /// Advances by one tick of `1/rate` seconds.
     pub fn tick(&mut self) {
         let scene = &self.scene;
-        let tick = Tick { iterations: scene.iterations, ..Tick::at_least(1.0 / scene.rate, scene.substeps) };
-        self.elapsed += f64::from(tick.dt);
-        self.wind.advance(scene.wind, &scene.gusts, tick.dt);
-        for ((cloth, fire), frame) in self.cloths.iter_mut().zip(&mut self.fires).zip(&self.frames) {
+        let dt = 1.0 / scene.rate;
+        let before = self.elapsed;
+        self.elapsed += f64::from(dt);
+        self.wind.advance(scene.wind, &scene.gusts, dt);
+        let all = self.cloths.iter_mut().zip(&mut self.fires).zip(&self.frames).zip(&scene.cloths);
+        for (((cloth, fire), frame), spec) in all {
             cloth.air = scene.air;
             if scene.air.is_some() {
                 let seen = |place: &ScenePlace| frame.inverse_pose(&place.pose());
@@ -62,8 +64,20 @@ impl World {
                 let fans = scene.fans.iter().map(|spec| (spec.fan, spec.fan.turned(seen(&spec.place), self.elapsed)));
                 cloth.wind.set_fans(fans, &cloth.contacts.colliders);
             }
+            if let Some(motion) = &spec.motion {
+                let moved = Motion { from: motion.at(before), to: motion.at(self.elapsed) };
+                cloth.constraints.pin_frames_mut().fill(moved);
+            }
+            let held = scene.colliders.iter().filter(|collider| collider.mass.is_none());
+            for (spec, collider) in held.zip(&mut cloth.contacts.colliders) {
+                if let Some(motion) = &spec.motion {
+                    let seen = |time| frame.inverse_pose(&placed(&spec.place.pose(), &motion.at(time)));
+                    collider.motion = Motion { from: seen(before), to: seen(self.elapsed) };
+                }
+            }
             let gravity = frame.rotation.conjugate() * scene.gravity;
-            cloth.step(tick, gravity);
+            let substeps = spec.substeps.unwrap_or(scene.substeps);
+            cloth.step(Tick { iterations: scene.iterations, ..Tick::at_least(dt, substeps) }, gravity);
             if let Some(fire) = fire {
                 let wind = match scene.air {
                     Some(_) => cloth.wind.at(measure::centre_of_mass(&cloth.particles).as_vec3()),
@@ -71,7 +85,7 @@ impl World {
                 };
                 let around = Surroundings { wind, up: -gravity, ..Surroundings::default() };
                 // Refused only where wind or gravity were changed to what no scene may have; then the fire stands still.
-                let _ = cloth.burn(fire, &around, tick.dt);
+                let _ = cloth.burn(fire, &around, dt);
             }
         }
     }
@@ -89,18 +103,25 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
         name,
         allowed: Fabric::PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
     })?;
-    let topology = Topology::rectangle(spec.size, Resolution::Cells(spec.cells)).map_err(of_cloth)?;
+    let rectangle = Topology::rectangle(spec.size, Resolution::Cells(spec.cells)).map_err(of_cloth)?;
+    let topology = match spec.piece() {
+        Some(ScenePiece { positions, uvs, triangles }) => {
+            let indices = triangles.as_flattened();
+            Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices }).map_err(of_cloth)?
+        }
+        None => rectangle,
+    };
     let mut cloth = Cloth::new(Arc::new(topology), &fabric).map_err(of_cloth)?;
-    cloth.set_method(scene.method);
+    cloth.set_method(spec.method.unwrap_or(scene.method));
     if let Some(settings) = &spec.self_contact {
         cloth.set_self_contact(&fabric, settings).map_err(of_cloth)?;
     }
     for weight in &spec.weights {
-        hang(&mut cloth, weight, spec.cells).map_err(of_cloth)?;
+        hang(&mut cloth, weight, spec).map_err(of_cloth)?;
     }
-    let pins = pins(&cloth.topology, &spec.pins).map_err(of_cloth)?;
+    let pins = pins(&cloth.topology, spec).map_err(of_cloth)?;
     cloth.constraints.set_pins(&mut cloth.particles, pins).map_err(of_cloth)?;
-    for (number, collider) in scene.colliders.iter().enumerate() {
+    for (number, collider) in scene.colliders.iter().enumerate().filter(|(_, collider)| collider.mass.is_none()) {
         let error = |error| SceneError::Collider { collider: number, error };
         cloth.contacts.colliders.push(solid(collider, frame, &fabric).map_err(error)?);
     }
@@ -115,9 +136,15 @@ fn light(spec: &SceneCloth, cloth: &Cloth) -> Result<Option<Fire>, ClothError> {
     for at in lit {
         ClothError::check("SceneFire::lit.x", at.x, 0.0..=1.0, "0..=1, parts of the width from the left")?;
         ClothError::check("SceneFire::lit.y", at.y, 0.0..=1.0, "0..=1, parts of the height from the top")?;
-        if let Some(grid) = cloth.topology.grid {
-            let place = (*at * spec.cells.as_vec2()).round().as_uvec2();
-            fire.ignite_particle(grid.slot(place.y, place.x))?;
+        let particle = match cloth.topology.grid {
+            Some(grid) => {
+                let place = (*at * spec.cells.as_vec2()).round().as_uvec2();
+                Some(grid.slot(place.y, place.x))
+            }
+            None => nearest(&cloth.topology, spec, *at),
+        };
+        if let Some(particle) = particle {
+            fire.ignite_particle(particle)?;
         }
     }
     Ok(Some(fire))
@@ -141,35 +168,47 @@ pub(crate) fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> 
     Ok(Collider { shape, motion: Motion::at_rest(frame.inverse_pose(&collider.place.pose())), friction })
 }
 
-/// Hangs a weight on a rectangle of `cells`.
-fn hang(cloth: &mut Cloth, weight: &SceneWeight, cells: UVec2) -> Result<(), ClothError> {
+/// Hangs a weight on a cloth.
+fn hang(cloth: &mut Cloth, weight: &SceneWeight, spec: &SceneCloth) -> Result<(), ClothError> {
     ClothError::check("SceneWeight::at.x", weight.at.x, 0.0..=1.0, "0..=1, parts of the width from the left")?;
     ClothError::check("SceneWeight::at.y", weight.at.y, 0.0..=1.0, "0..=1, parts of the height from the top")?;
     ClothError::check("SceneWeight::mass", weight.mass, 0.0..=1e6, "0..=1,000,000 kg")?;
-    let Some(grid) = cloth.topology.grid else { return Ok(()) };
-    let place = weight.row_and_column(cells);
-    cloth.particles.add_mass(grid.slot(place.x, place.y) as usize, weight.mass)
+    let particle = match cloth.topology.grid {
+        Some(grid) => {
+            let place = weight.row_and_column(spec.cells);
+            Some(grid.slot(place.x, place.y))
+        }
+        None => nearest(&cloth.topology, spec, weight.at),
+    };
+    particle.map_or(Ok(()), |particle| cloth.particles.add_mass(particle as usize, weight.mass))
 }
 
-fn pins(topology: &Topology, groups: &[ScenePins]) -> Result<Pins, ClothError> {
-    let Some(grid) = topology.grid else { return Ok(Pins::default()) };
+/// A pose seen from another that is placed in the world.
+fn placed(place: &Pose, local: &Pose) -> Pose {
+    Pose::new(place.point(local.position), (place.rotation * local.rotation).normalize())
+}
+
+fn pins(topology: &Topology, spec: &SceneCloth) -> Result<Pins, ClothError> {
     let mut slots: Vec<u32> = Vec::new();
-    for group in groups {
-        match *group {
-            ScenePins::Top => slots.extend((0..grid.columns).map(|column| grid.slot(0, column))),
-            ScenePins::Corners => slots.extend([grid.slot(0, 0), grid.slot(0, grid.columns - 1)]),
-            ScenePins::Rods(rods) => {
-                ClothError::check("ScenePins::Rods", rods as f32, 0.0..=1e5, "0..=100,000")?;
-                slots.extend((0..rods).map(|rod| {
-                    let part = if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
-                    grid.slot(0, (part * (grid.columns - 1) as f32).round() as u32)
-                }));
+    for group in &spec.pins {
+        group.validate()?;
+        match topology.grid {
+            Some(grid) => {
+                slots.extend(group.rows_and_columns(spec.cells).iter().map(|place| grid.slot(place.x, place.y)))
             }
-            ScenePins::Left => slots.extend((0..grid.rows).map(|row| grid.slot(row, 0))),
+            None => slots.extend(group.places(spec.cells).iter().filter_map(|part| nearest(topology, spec, *part))),
         }
     }
     slots.sort_unstable();
     slots.dedup();
     let pin = |particle: u32| Pin { particle, frame: 0, local: topology.rest[particle as usize] };
-    Ok(Pins { frames: vec![Motion::default()], pins: slots.into_iter().map(pin).collect() })
+    let frame = spec.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.at(0.0));
+    Ok(Pins { frames: vec![Motion::at_rest(frame)], pins: slots.into_iter().map(pin).collect() })
+}
+
+/// The particle at rest nearest to a point of the rectangle.
+fn nearest(topology: &Topology, spec: &SceneCloth, part: Vec2) -> Option<u32> {
+    let at = ((part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0);
+    let distance = |slot: &u32| topology.rest[*slot as usize].distance_squared(at);
+    topology.particles().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

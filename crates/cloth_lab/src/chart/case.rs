@@ -98,7 +98,7 @@ fn case(name: &'static str, cells: u32) -> Case {
             let at = Vec3::new(0.03, -BALL - 0.012, 0.02);
             let place = ScenePlace { at, ..ScenePlace::default() };
             let shape = SceneShape::Sphere { radius: BALL };
-            let ball = SceneCollider { name: "ball".into(), shape, place, friction: None };
+            let ball = SceneCollider::new("ball", shape, place);
             let lying = SceneCloth { place: turned(-90.0), ..cloth.clone() };
             (Scene { colliders: vec![ball], ..scene(lying, 0.6) }, Judged::Motion)
         }

@@ -3,7 +3,7 @@
 use cloth_scene::{Scene, ScenePins, SceneShape};
 use cloth_solver::Fabric;
 use cloth_solver::forces::Air;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, UVec2, Vec3};
 
 /// The air around: what it is, and how it moves, m/s.
 #[derive(Clone, Copy, Debug)]
@@ -163,7 +163,7 @@ impl Sheet {
         sheet.gravity = turn(scene.gravity);
         sheet.wind = scene.air.map(|air| Wind { air, velocity: turn(scene.wind) });
         for pins in &spec.pins {
-            sheet.pin(*pins);
+            sheet.pin(pins);
         }
         for weight in &spec.weights {
             let nearest = |part: f32, count: usize| (part * (count - 1) as f32).round() as usize;
@@ -181,18 +181,10 @@ impl Sheet {
     }
 
     /// Pins particles as a scene names them.
-    fn pin(&mut self, pins: ScenePins) {
-        let last = self.columns - 1;
-        match pins {
-            ScenePins::Top => self.pinned[..=last].fill(true),
-            ScenePins::Corners => [0, last].iter().for_each(|slot| self.pinned[*slot] = true),
-            ScenePins::Rods(count) => {
-                for rod in 0..count {
-                    let part = if count > 1 { f64::from(rod) / f64::from(count - 1) } else { 0.5 };
-                    self.pinned[(part * last as f64).round() as usize] = true;
-                }
-            }
-            ScenePins::Left => (0..self.rows).for_each(|row| self.pinned[row * self.columns] = true),
+    fn pin(&mut self, pins: &ScenePins) {
+        let cells = UVec2::new(self.columns as u32 - 1, self.rows as u32 - 1);
+        for place in pins.rows_and_columns(cells) {
+            self.pinned[place.x as usize * self.columns + place.y as usize] = true;
         }
     }
 

@@ -1,0 +1,144 @@
+//! How a scene is lit and what is around it: sun, sky, light from all sides, haze, exposure, glow.
+
+mod cubemap;
+mod sky;
+
+use bevy::camera::{Exposure, Hdr};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::light::{CascadeShadowConfigBuilder, Skybox};
+use bevy::post_process::bloom::{Bloom, BloomCompositeMode, BloomPrefilter};
+use bevy::prelude::*;
+use cloth_scene::{SceneView, Setting};
+
+use cubemap::Cubemap;
+use sky::Sky;
+pub use sky::{fractal, hash};
+
+/// Luminance of what is painted with 1, cd/m²: white at normal exposure.
+const WHITE: f32 = 1000.0;
+/// Light of the sun at noon, lx.
+const SUNLIGHT: f32 = 8500.0;
+/// Edge of a face of the sky that is seen, and of the map its light comes from, texels.
+const FACES: (u32, u32) = (256, 32);
+/// Distances between which the ground fades into the horizon, m; much farther in the open.
+const HAZE: (f32, f32) = (9.0, 30.0);
+/// What is brighter than this many times white glows: fire, and nothing that is lit.
+const GLOWS: f32 = 3.0;
+
+/// How the scene is shown. Changing it changes light and sky.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct View(pub SceneView);
+
+/// Lights every scene as its [`View`] says.
+pub struct LookPlugin;
+
+impl Plugin for LookPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<View>()
+            .insert_resource(ClearColor(Color::BLACK))
+            .insert_resource(GlobalAmbientLight::NONE)
+            .add_systems(Startup, spawn_sun)
+            .add_systems(PostUpdate, show.run_if(resource_changed::<View>.or_else(any_match_filter::<Added<Seeing>>)));
+    }
+}
+
+/// The camera that sees sky and light.
+#[derive(Component)]
+pub struct Seeing;
+
+/// What a camera needs to see the scene as it is to be shown.
+pub fn eyes() -> impl Bundle {
+    (
+        Seeing,
+        Hdr,
+        Tonemapping::TonyMcMapface,
+        Bloom {
+            intensity: 0.12,
+            prefilter: BloomPrefilter { threshold: GLOWS, threshold_softness: 0.3 },
+            composite_mode: BloomCompositeMode::Additive,
+            ..Bloom::NATURAL
+        },
+    )
+}
+
+#[derive(Component)]
+struct Sun;
+
+fn spawn_sun(mut commands: Commands) {
+    commands.spawn((
+        Name::new("Sun"),
+        Sun,
+        DirectionalLight { shadow_maps_enabled: true, ..default() },
+        CascadeShadowConfigBuilder {
+            num_cascades: 2,
+            first_cascade_far_bound: 6.0,
+            maximum_distance: 18.0,
+            ..default()
+        }
+        .build(),
+        Transform::default(),
+    ));
+}
+
+/// Paints sky and light anew.
+fn show(
+    view: Res<View>,
+    cameras: Query<Entity, With<Seeing>>,
+    mut suns: Query<(&mut DirectionalLight, &mut Transform), With<Sun>>,
+    mut images: ResMut<Assets<Image>>,
+    mut commands: Commands,
+) {
+    let view = &view.0;
+    let sky = Sky::new(view);
+    for (mut light, mut place) in &mut suns {
+        let (towards, color, strength) = lamp(view, &sky);
+        *place = Transform::IDENTITY.looking_to(-towards, Vec3::Y);
+        light.color = Color::linear_rgb(color.x, color.y, color.z);
+        light.illuminance = SUNLIGHT * strength;
+    }
+    let seen = images.add(Cubemap::paint(FACES.0, |at| sky.seen(at)).image());
+    let (diffuse, glossy) = Cubemap::paint(FACES.1, |at| sky.lights(at)).light();
+    let (diffuse_map, specular_map) = (images.add(diffuse), images.add(glossy));
+    let brighter = view.exposure.exp2();
+    let fade = match view.setting {
+        Setting::Meadow => Some((25.0, 140.0)),
+        Setting::Plain | Setting::Studio => Some(HAZE),
+        Setting::Room => None,
+    };
+    let haze =
+        sky.seen(Vec3::new(0.0, 0.0, -1.0)).lerp(sky.horizon, if view.setting == Setting::Meadow { 0.0 } else { 0.5 });
+    let haze = if view.setting == Setting::Studio { sky.seen(Vec3::NEG_Z) } else { haze } * brighter;
+    for camera in &cameras {
+        commands.entity(camera).insert((
+            Skybox { image: Some(seen.clone()), brightness: WHITE, ..default() },
+            EnvironmentMapLight {
+                diffuse_map: diffuse_map.clone(),
+                specular_map: specular_map.clone(),
+                intensity: WHITE,
+                ..default()
+            },
+            Exposure { ev100: Exposure::EV100_BLENDER - view.exposure },
+        ));
+        match fade {
+            Some((start, end)) => commands.entity(camera).insert(DistanceFog {
+                color: Color::linear_rgb(haze.x, haze.y, haze.z),
+                falloff: FogFalloff::Linear { start, end },
+                ..default()
+            }),
+            None => commands.entity(camera).remove::<DistanceFog>(),
+        };
+    }
+}
+
+/// The one light that throws shadows: direction towards it, colour and strength.
+fn lamp(view: &SceneView, sky: &Sky) -> (Vec3, Vec3, f32) {
+    match view.setting {
+        Setting::Studio => {
+            let day = (sky.horizon.element_sum() / 2.08).clamp(0.06, 1.0);
+            (Vec3::new(-0.75, 1.25, 0.8).normalize(), Vec3::new(1.0, 0.97, 0.93), 0.62 * day)
+        }
+        // At night the moon stands where the sun will be.
+        _ if sky.sun.y < -0.03 => (-sky.sun, sky.sunlight, 1.0),
+        _ => (sky.sun.with_y(sky.sun.y.max(0.02)).normalize(), sky.sunlight, 1.0),
+    }
+}

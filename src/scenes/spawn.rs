@@ -1,0 +1,248 @@
+//! A scene file, spawned as entities.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_cloth::cloth_solver::Pose;
+use bevy_cloth::{
+    Cloth, ClothCollider, ClothTopology, ColliderFriction, IgniteCloth, PinSelect, Pins, Substeps, Tearable, Weight,
+    Weights,
+};
+use cloth_scene::{
+    Finish, Hardware, Scene, SceneCloth, SceneFan, ScenePins, SceneProp, SceneShape, SceneZone,
+};
+
+use super::finish::{Finishes, SOLIDS};
+use super::hardware::Fitted;
+use super::moving::Moving;
+use super::{OfScene, curtain_rod, dress, setting};
+use crate::select::Selectable;
+use crate::shapes::mesh_of;
+
+/// How far a match reaches, m.
+const MATCH: f32 = 0.02;
+
+/// Spawns what a scene says, and what is around it; `low` is the lowest place that anything of it reaches, m.
+pub fn spawn(
+    In((scene, low)): In<(Box<Scene>, Vec3)>,
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut finishes: Finishes,
+) {
+    let mut number = 0_u8;
+    let mut next = || {
+        number = number.saturating_add(1);
+        Selectable(number)
+    };
+    for (index, cloth) in scene.cloths.iter().enumerate() {
+        let (name, look) = (named(&cloth.name, "cloth", index), dress::look(cloth, index));
+        let entity = spawn_cloth(&mut commands, &mut meshes, &scene, cloth, (name, next()));
+        finishes.dress(&mut commands, entity, look);
+    }
+    for (index, collider) in scene.colliders.iter().enumerate() {
+        let name = named(&collider.name, "collider", index);
+        let place = transform(&collider.place.pose());
+        let mut entity = commands.spawn((OfScene, name, shape(&collider.shape), place, Visibility::default()));
+        if collider.shape != SceneShape::Ground {
+            let finish = collider.finish.unwrap_or(Finish::Paint(SOLIDS[index % SOLIDS.len()]));
+            entity.insert(next());
+            if let Some(material) = finishes.material(finish) {
+                entity.insert(material);
+            }
+        }
+        if let Some(friction) = collider.friction {
+            entity.insert(ColliderFriction(friction));
+        }
+        if let Some(motion) = &collider.motion {
+            entity.insert(Moving::new(motion, place));
+        }
+    }
+    for SceneProp { shape: form, finish, place } in &scene.props {
+        if let (Some(mesh), Some(material)) = (mesh_of(&shape(form)), finishes.material(*finish)) {
+            let place = transform(&place.pose());
+            commands.spawn((OfScene, Mesh3d(meshes.add(mesh)), material, place, Pickable::IGNORE));
+        }
+    }
+    for (index, SceneFan { name, fan, place }) in scene.fans.iter().enumerate() {
+        commands.spawn((OfScene, named(name, "fan", index), next(), *fan, transform(&place.pose())));
+    }
+    for (index, SceneZone { name, zone, place }) in scene.zones.iter().enumerate() {
+        commands.spawn((OfScene, named(name, "wind zone", index), next(), *zone, transform(&place.pose())));
+    }
+    // A scene that says nothing of the ground is shown over some, well below what happens in it.
+    let ground = scene.colliders.iter().find(|collider| collider.shape == SceneShape::Ground);
+    if ground.is_none() {
+        let height = if low.y > 0.0 { 0.0 } else { low.y - 0.5 };
+        commands.spawn((
+            OfScene,
+            Name::new("ground"),
+            ClothCollider::Ground,
+            Transform::from_xyz(0.0, height, 0.0),
+            Visibility::default(),
+        ));
+    }
+    let height = ground.map_or(if low.y > 0.0 { 0.0 } else { low.y - 0.5 }, |ground| ground.place.at.y);
+    commands.trigger(setting::Build { setting: scene.view.setting, height });
+}
+
+fn spawn_cloth(
+    commands: &mut Commands,
+    meshes: &mut Assets<Mesh>,
+    scene: &Scene,
+    spec: &SceneCloth,
+    named: (Name, Selectable),
+) -> Entity {
+    let place = transform(&spec.place.pose());
+    // A scene with a fabric that is none was refused when it was opened.
+    let fabric = spec.fabric().unwrap_or_default();
+    let mut entity = commands.spawn((OfScene, named, fabric, place, Visibility::default()));
+    match cut_out(spec) {
+        Some(piece) => entity.insert((Cloth::mesh(), Mesh3d(meshes.add(piece)))),
+        None => entity.insert(Cloth::rectangle(spec.size.x, spec.size.y).with_cells(spec.cells.x, spec.cells.y)),
+    };
+    if !spec.pins.is_empty() {
+        entity.insert(pins(spec));
+    }
+    if !spec.weights.is_empty() {
+        entity.insert(weights(spec));
+    }
+    if let Some(self_contact) = spec.self_contact {
+        entity.insert(self_contact);
+    }
+    if let Some(fire) = &spec.fire {
+        let at = |part: &Vec2| place.transform_point(((*part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
+        entity.insert((fire.burns, Lit(fire.lit.iter().map(at).collect())));
+    }
+    if let Some(tearing) = spec.tearing {
+        entity.insert(Tearable { scale: tearing.scale, ..default() });
+    }
+    if let Some(method) = spec.method {
+        entity.insert(method);
+    }
+    if let Some(count) = spec.substeps {
+        entity.insert(Substeps { count, max: count.max(Substeps::default().max), iterations: scene.iterations });
+    }
+    if let Some(air) = scene.air {
+        entity.insert(air);
+    }
+    if let Some(motion) = &spec.motion {
+        entity.insert(Moving::new(motion, place));
+    }
+    let entity = entity.id();
+    let places = spec.pins.iter().flat_map(|group| group.places(spec.cells));
+    let places = places.map(|part| ((part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
+    match (spec.hardware, &spec.pins[..]) {
+        (Hardware::Auto, [ScenePins::Rods(_)]) | (Hardware::SlidingRod, _) => {
+            let rod = place * Transform::from_xyz(0.0, spec.size.y / 2.0 + curtain_rod::DROP, 0.0);
+            curtain_rod::hang(commands, rod, entity);
+        }
+        (Hardware::Pegs | Hardware::Rings, _) => {
+            commands.entity(entity).insert(Fitted { what: spec.hardware, at: places.collect() });
+        }
+        _ => {}
+    }
+    entity
+}
+
+/// The mesh of a piece that is cut out of a rectangle.
+fn cut_out(spec: &SceneCloth) -> Option<Mesh> {
+    let piece = spec.piece()?;
+    let indices = piece.triangles.concat();
+    Some(
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, piece.positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, piece.uvs)
+            .with_inserted_indices(Indices::U32(indices))
+            .with_computed_normals(),
+    )
+}
+
+/// Where a cloth is to be lit as soon as it runs, in the world, m.
+#[derive(Component)]
+pub struct Lit(Vec<Vec3>);
+
+/// Holds the matches to each cloth that has begun to run.
+pub fn light(cloths: Query<(Entity, &Lit), With<ClothTopology>>, mut commands: Commands) {
+    for (entity, Lit(places)) in &cloths {
+        for position in places {
+            commands.trigger(IgniteCloth { entity, position: *position, radius: MATCH });
+        }
+        commands.entity(entity).remove::<Lit>();
+    }
+}
+
+fn pins(spec: &SceneCloth) -> Pins {
+    let groups = spec.pins.iter().map(|group| match group {
+        // By name where there is one: they follow a change of the size.
+        ScenePins::Top if spec.outline.is_empty() => Pins::top(),
+        ScenePins::Corners if spec.outline.is_empty() => Pins::corners(),
+        ScenePins::Rods(rods) if spec.outline.is_empty() => Pins::rods(*rods),
+        _ => Pins::vertices(vertices(spec, &group.places(spec.cells))),
+    });
+    groups.fold(Pins::default(), Pins::and)
+}
+
+/// The vertices nearest to points of the rectangle.
+fn vertices(spec: &SceneCloth, places: &[Vec2]) -> Vec<u32> {
+    let Some(piece) = spec.piece() else {
+        let nearest = |part: &Vec2| (part.clamp(Vec2::ZERO, Vec2::ONE) * spec.cells.as_vec2()).round().as_uvec2();
+        return places.iter().map(nearest).map(|place| place.y * (spec.cells.x + 1) + place.x).collect();
+    };
+    let nearest = |part: &Vec2| {
+        let distance = |uv: &Vec2| ((uv - part) * spec.size).length_squared();
+        let best = piece.uvs.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        best.map(|(vertex, _)| vertex as u32)
+    };
+    places.iter().filter_map(nearest).collect()
+}
+
+fn weights(spec: &SceneCloth) -> Weights {
+    let weight = |weight: &cloth_scene::SceneWeight| Weight {
+        select: PinSelect::Vertices(vertices(spec, &[weight.at])),
+        mass: weight.mass,
+    };
+    Weights(spec.weights.iter().map(weight).collect())
+}
+
+fn shape(shape: &SceneShape) -> ClothCollider {
+    match *shape {
+        SceneShape::Sphere { radius } => ClothCollider::Sphere { radius },
+        SceneShape::Capsule { radius, length } => ClothCollider::Capsule { radius, length },
+        SceneShape::Cuboid { size } => ClothCollider::Cuboid { size },
+        SceneShape::Pyramid { base, height } => ClothCollider::Pyramid { base, height },
+        SceneShape::Ellipsoid { radii } => ClothCollider::Ellipsoid { radii },
+        SceneShape::Cylinder { radius, height } => ClothCollider::Cylinder { radius, height },
+        SceneShape::Cone { radius, height } => ClothCollider::Cone { radius, height },
+        SceneShape::RoundedCuboid { size, radius } => ClothCollider::RoundedCuboid { size, radius },
+        SceneShape::Ground => ClothCollider::Ground,
+    }
+}
+
+fn named(name: &str, kind: &str, index: usize) -> Name {
+    if name.is_empty() { Name::new(format!("{kind} {}", index + 1)) } else { Name::new(name.to_owned()) }
+}
+
+fn transform(pose: &Pose) -> Transform {
+    Transform::from_translation(pose.position).with_rotation(pose.rotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::open;
+
+    #[test]
+    fn a_weight_on_the_lower_right_corner_hangs_on_the_last_vertex() {
+        let spec = &open("weight_on_corner").expect("there").cloths[0];
+        let Weights(weights) = weights(spec);
+        assert_eq!(weights[0].select, PinSelect::Vertices(vec![64 * 64 - 1]));
+        assert_eq!(weights[0].mass, spec.weights[0].mass);
+    }
+
+    #[test]
+    fn a_flag_is_held_along_its_left_edge() {
+        let spec = &open("flag_in_wind").expect("there").cloths[0];
+        let PinSelect::Vertices(vertices) = &pins(spec).0[0].select else { panic!() };
+        assert_eq!((vertices.len(), vertices[0], vertices[40]), (41, 0, 40 * 61));
+    }
+}

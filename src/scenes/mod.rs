@@ -11,6 +11,7 @@ use bevy::prelude::*;
 use bevy_cloth::{ClothClock, ClothColoring, ClothTime, Shared};
 use bevy_cloth_inspector::InspectorOpen;
 pub use catalog::{SANDBOX, Scene, names, open};
+pub use curtain_rod::{DROP, Ring};
 pub use stage::glossy;
 
 /// Opens the scene that was asked for.

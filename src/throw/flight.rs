@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use bevy::gizmos::transform_gizmo::TransformGizmoState;
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::contact::Shape;
 use bevy_cloth::{ClothClock, ClothCollider, ClothForce, Gravity, Shared};
+
+use crate::tools::Dragged;
 
 /// Mass of a ball, kg: that of a football.
 pub const MASS: f32 = 0.43;
@@ -39,6 +40,11 @@ impl Ball {
         Self { number, velocity, before: at, now: at, push: Vec3::ZERO }
     }
 
+    /// The same ball under another number.
+    pub fn renumbered(self, number: u32) -> Self {
+        Self { number, ..self }
+    }
+
     /// Where it is drawn at this part of the way from the tick before to the last one, m. One that was moved by hand is at
     /// `place`.
     pub fn shown_at(&self, place: Vec3, part: f32) -> Vec3 {
@@ -69,7 +75,7 @@ pub fn fly(
     mut balls: Query<(Entity, &mut Ball, &mut Transform, &ClothCollider, &ClothForce)>,
     solids: Query<(&ClothCollider, &GlobalTransform), Without<Ball>>,
     (time, gravity): (Res<Time<ClothClock>>, Res<Shared<Gravity>>),
-    gizmo: Option<Res<TransformGizmoState>>,
+    dragged: Option<Res<Dragged>>,
     mut last: Local<Duration>,
 ) {
     // While the clock is paused and a hand pulls a cloth, ticks come in which no time passes.
@@ -78,7 +84,7 @@ pub fn fly(
     }
     let dt = time.delta_secs();
     let solids: Vec<Solid> = solids.iter().filter_map(|(collider, place)| Solid::new(collider, place)).collect();
-    let dragged = gizmo.filter(|gizmo| gizmo.active).and_then(|gizmo| gizmo.entity);
+    let dragged = dragged.and_then(|dragged| dragged.0);
     let mut flyers: Vec<Flyer> = (balls.iter())
         .filter_map(|(entity, ball, place, collider, cloth)| {
             let radius = collider.shape(place.scale).ok()?.bounding_radius();

@@ -135,6 +135,24 @@ fn no_solid_is_passed_however_fast_the_ball() {
 }
 
 #[test]
+fn a_wall_of_a_mesh_is_not_passed_also_after_it_was_scaled() {
+    let wall = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(3).build();
+    for (scale, speed) in [(1.0, 3.0), (1.0, 40.0), (3.0, 40.0)] {
+        let mut game = Game::new();
+        game.weightless();
+        let mesh = game.app.world_mut().resource_mut::<Assets<Mesh>>().add(wall.clone());
+        let at = Transform::from_xyz(0.3 * scale, 1.5, 0.0);
+        let wall = game.spawn((ClothCollider::Mesh { thickness: 0.01 }, Mesh3d(mesh), at));
+        game.run(0.1);
+        game.app.world_mut().get_mut::<Transform>(wall).unwrap().scale = Vec3::splat(scale);
+        game.run(0.1);
+        let ball = game.throw(speed);
+        game.run(8.0 / speed);
+        assert!(game.velocity(ball).z > 0.0 && game.place(ball).z > 0.0, "{speed} m/s, scale {scale}");
+    }
+}
+
+#[test]
 fn two_balls_that_meet_keep_their_momentum() {
     let mut game = Game::new();
     game.weightless();

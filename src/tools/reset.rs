@@ -38,21 +38,23 @@ pub fn plugin(app: &mut App) {
     app.add_systems(Last, note).add_observer(reset);
 }
 
-/// An object that has just come into the scene.
-type New = (Added<Selectable>, Without<MadeInPlay>);
-
 /// Notes what every object is like when it comes. Then another scene has opened, and what was deleted of the last one is
 /// not wanted any more.
 fn note(
-    new: Query<(Entity, &Transform, Has<ChildOf>, Option<&Fan>, Option<&ClothCollider>, Option<&Cloth>), New>,
+    new: Query<
+        (Entity, &Transform, Has<ChildOf>, Option<&Fan>, Option<&ClothCollider>, Option<&Cloth>),
+        Added<Selectable>,
+    >,
+    (parents, made): (Query<&ChildOf>, Query<(), With<MadeInPlay>>),
     deleted: Query<Entity, (With<Deleted>, Allow<Disabled>)>,
     mut commands: Commands,
 ) {
-    if new.is_empty() {
+    let mut opened = new.iter().filter(|(entity, ..)| !made.contains(parents.root_ancestor(*entity))).peekable();
+    if opened.peek().is_none() {
         return;
     }
     deleted.iter().for_each(|entity| commands.entity(entity).despawn());
-    for (entity, place, is_child, fan, collider, cloth) in &new {
+    for (entity, place, is_child, fan, collider, cloth) in opened {
         let place = (!is_child).then_some(*place);
         let opened = Opened { place, fan: fan.copied(), collider: collider.cloned(), cloth: cloth.cloned() };
         commands.entity(entity).try_insert(opened);

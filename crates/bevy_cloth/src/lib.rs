@@ -149,7 +149,7 @@ pub use cloth_solver::contact::{ContactPoint, SelfContact};
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
-pub use collider::{ClothCollider, ColliderFriction};
+pub use collider::{ClothCollider, ColliderFriction, ColliderShapes};
 pub use contact::{ClothForce, ContactEvents};
 pub use contact_view::{ContactLists, ContactView, Crossing};
 pub use damage::{

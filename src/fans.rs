@@ -25,6 +25,10 @@ const NECK: f32 = 0.54;
 /// Radius of the pole, and of the foot with its height, m.
 const STAND: (f32, f32, f32) = (0.016, 0.17, 0.025);
 
+/// A fan without a body: nothing is seen of it, and nothing bumps into it.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Bodiless;
+
 /// Gives every fan a body.
 pub struct FansPlugin;
 
@@ -81,8 +85,8 @@ fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     });
 }
 
-/// Builds the body of each new fan. Its head is a solid that cloth meets.
-fn embody(mut commands: Commands, parts: Res<Parts>, fans: Query<Entity, Added<Fan>>) {
+/// Builds the body of each new fan that is to have one. Its head is a solid that cloth meets.
+fn embody(mut commands: Commands, parts: Res<Parts>, fans: Query<Entity, (Added<Fan>, Without<Bodiless>)>) {
     for fan in &fans {
         commands.entity(fan).insert_if_new(Visibility::default());
         let head = (Part::Head(fan), ClothCollider::Convex { planes: drum() }, Transform::default());

@@ -4,22 +4,23 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use crate::keys;
-use crate::select::Selectable;
 
 /// Whether the help is open.
 #[derive(Resource, Default)]
 pub struct HelpOpen(pub bool);
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 10] = [
+    ("left button", "the tool chosen in the row below; with the hand:"),
     ("left drag on cloth", "grab and pull; what may tear, rips; R makes it whole"),
-    ("right drag on cloth", "cut"),
-    ("middle button on cloth", "hold a match to it; with X pour water instead"),
+    ("left drag on a ring", "slide it along its rod"),
     ("left click", "select an object; on nothing: deselect"),
-    ("left drag on a handle", "move or turn the selected object"),
+    ("right drag on cloth", "cut, with any tool"),
+    ("middle button on cloth", "hold a match to it; with X pour water instead"),
+    ("left drag on a handle", "move, turn or scale the selected object"),
     ("left drag on nothing", "orbit; anywhere with Alt"),
     ("Shift + left drag", "pan"),
-    ("wheel", "zoom"),
+    ("wheel", "zoom; while blowing: strength"),
 ];
 
 /// Shows the help.
@@ -31,20 +32,13 @@ impl Plugin for HelpPlugin {
     }
 }
 
-fn show_help(
-    mut contexts: EguiContexts,
-    mut open: ResMut<HelpOpen>,
-    selectables: Query<(&Selectable, &Name)>,
-) -> Result {
+fn show_help(mut contexts: EguiContexts, mut open: ResMut<HelpOpen>) -> Result {
     let context = contexts.ctx_mut()?;
     let mut is_open = open.0;
     egui::Window::new("Help").open(&mut is_open).resizable(false).default_pos([24.0, 24.0]).show(context, |ui| {
-        let with_key = selectables.iter().filter(|(selectable, _)| (1..=9).contains(&selectable.0));
-        let mut objects: Vec<_> = with_key.map(|(selectable, name)| (selectable.0, name.as_str())).collect();
-        objects.sort_unstable();
         table(ui, "Mouse", MOUSE.iter().map(|(key, meaning)| ((*key).into(), (*meaning).into())));
         table(ui, "Keys", keys::descriptions().map(|(key, meaning)| (key.into(), meaning.into())));
-        table(ui, "Objects", objects.iter().map(|(number, name)| (number.to_string(), format!("select the {name}"))));
+        table(ui, "Tools", keys::tools());
     });
     if open.0 != is_open {
         open.0 = is_open;

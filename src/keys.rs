@@ -3,14 +3,15 @@
 use bevy::gizmos::transform_gizmo::{TransformGizmoMode, TransformGizmoSettings};
 use bevy::input::InputSystems;
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothPicking, ClothTime, Fan, FireTool, ResetCloth, Shared};
+use bevy_cloth::{ClothClock, ClothColoring, ClothPicking, ClothTime, ClothTool, Fan, Shared};
 use bevy_cloth_inspector::{InspectorOpen, Selected};
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
 
 use crate::help::HelpOpen;
-use crate::select::Selectable;
+use crate::select::SelectNeighbor;
 use crate::throw::ThrowBall;
+use crate::tools::{ActiveTool, DeleteSelected, DuplicateSelected, ReopenScene, ResetScene, Tool};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +20,7 @@ enum Action {
     Pause,
     Step,
     Reset,
+    Reopen,
     Coloring,
     FireTool,
     Fans,
@@ -26,43 +28,67 @@ enum Action {
     Inspector,
     Move,
     Turn,
+    Scale,
+    Next,
+    Previous,
+    Duplicate,
     Delete,
     Deselect,
 }
 
-/// Every key: code, name and meaning.
-const BINDINGS: [(KeyCode, &str, &str, Action); 13] = [
-    (KeyCode::KeyH, "H", "show or hide this help", Action::Help),
-    (KeyCode::Space, "Space", "pause or go on", Action::Pause),
-    (KeyCode::KeyN, "N", "one step, then pause", Action::Step),
-    (KeyCode::KeyR, "R", "reset all cloth, and make it whole", Action::Reset),
-    (KeyCode::KeyC, "C", "colour by material, stress, strain, temperature, speed, contact", Action::Coloring),
-    (KeyCode::KeyX, "X", "match or water for the middle button", Action::FireTool),
-    (KeyCode::KeyF, "F", "switch the fans on or off", Action::Fans),
-    (KeyCode::KeyT, "T", "throw a ball through the cursor; the ninth replaces the first", Action::Throw),
-    (KeyCode::Tab, "Tab", "show or hide the inspector", Action::Inspector),
-    (KeyCode::KeyW, "W", "handles move the selected object", Action::Move),
-    (KeyCode::KeyE, "E", "handles turn the selected object: take a ring at its wide end", Action::Turn),
-    (KeyCode::Delete, "Del", "delete the selected object", Action::Delete),
-    (KeyCode::Escape, "Esc", "close the help, or deselect", Action::Deselect),
-];
+/// Which other key a key wants to be held down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum With {
+    /// None, and no Ctrl.
+    Plain,
+    /// Shift.
+    Shift,
+    /// Ctrl.
+    Ctrl,
+}
 
-/// The keys of the numbers, in order from 1.
-const DIGITS: [KeyCode; 9] = [
-    KeyCode::Digit1,
-    KeyCode::Digit2,
-    KeyCode::Digit3,
-    KeyCode::Digit4,
-    KeyCode::Digit5,
-    KeyCode::Digit6,
-    KeyCode::Digit7,
-    KeyCode::Digit8,
-    KeyCode::Digit9,
+/// Every key: code, what is held down with it, name and meaning. Of those with the same code the first that fits holds.
+const BINDINGS: [(KeyCode, With, &str, &str, Action); 18] = [
+    (KeyCode::KeyH, With::Plain, "H", "show or hide this help", Action::Help),
+    (KeyCode::Space, With::Plain, "Space", "pause or go on", Action::Pause),
+    (KeyCode::KeyN, With::Plain, "N", "one step, then pause", Action::Step),
+    (
+        KeyCode::KeyR,
+        With::Shift,
+        "Shift+R",
+        "open the scene anew: also settings, camera, time, colours",
+        Action::Reopen,
+    ),
+    (KeyCode::KeyR, With::Plain, "R", "reset the scene: cloth whole, all objects back, balls gone", Action::Reset),
+    (
+        KeyCode::KeyC,
+        With::Plain,
+        "C",
+        "colour by material, stress, strain, temperature, speed, contact",
+        Action::Coloring,
+    ),
+    (KeyCode::KeyX, With::Plain, "X", "match or water for the middle button", Action::FireTool),
+    (KeyCode::KeyF, With::Plain, "F", "switch the fans on or off", Action::Fans),
+    (KeyCode::KeyT, With::Plain, "T", "throw a ball through the cursor; the ninth replaces the first", Action::Throw),
+    (KeyCode::Tab, With::Plain, "Tab", "show or hide the inspector", Action::Inspector),
+    (KeyCode::BracketRight, With::Plain, "]", "select the next object", Action::Next),
+    (KeyCode::BracketLeft, With::Plain, "[", "select the previous object", Action::Previous),
+    (KeyCode::KeyW, With::Plain, "W", "handles move the selected object", Action::Move),
+    (KeyCode::KeyE, With::Plain, "E", "handles turn the selected object: take a ring at its wide end", Action::Turn),
+    (KeyCode::KeyS, With::Plain, "S", "handles scale the selected object", Action::Scale),
+    (KeyCode::KeyD, With::Ctrl, "Ctrl+D", "duplicate the selected object", Action::Duplicate),
+    (KeyCode::Delete, With::Plain, "Del", "delete the selected object", Action::Delete),
+    (KeyCode::Escape, With::Plain, "Esc", "close the help, or deselect", Action::Deselect),
 ];
 
 /// Key and meaning, for the help.
 pub fn descriptions() -> impl Iterator<Item = (&'static str, &'static str)> {
-    BINDINGS.iter().map(|(_, key, meaning, _)| (*key, *meaning))
+    BINDINGS.iter().map(|(_, _, key, meaning, _)| (*key, *meaning))
+}
+
+/// Key and meaning of the tools, for the help.
+pub fn tools() -> impl Iterator<Item = (String, String)> {
+    Tool::ALL.iter().map(|tool| tool.face()).map(|face| (face.key_name.into(), format!("{}: {}", face.name, face.hint)))
 }
 
 /// Listens to the keys.
@@ -71,7 +97,7 @@ pub struct KeysPlugin;
 impl Plugin for KeysPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(PreUpdate, keep_tab.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass))
-            .add_systems(PreUpdate, (act, select_by_number).run_if(nothing_is_typed).after(InputSystems));
+            .add_systems(PreUpdate, (act, take_tool).run_if(nothing_is_typed).after(InputSystems));
     }
 }
 
@@ -97,10 +123,9 @@ fn act(
     mut help: ResMut<HelpOpen>,
     mut inspector: ResMut<InspectorOpen>,
     mut selected: ResMut<Selected>,
-    clothes: Query<Entity, With<Cloth>>,
     mut fans: Query<&mut Fan>,
 ) {
-    for (_, _, _, action) in BINDINGS.iter().filter(|(key, ..)| keys.just_pressed(*key)) {
+    for action in pressed(&keys) {
         match action {
             Action::Help => help.0 = !help.0,
             Action::Pause if clock.is_paused() => clock.unpause(),
@@ -109,15 +134,16 @@ fn act(
                 clock.pause();
                 clock.step_once();
             }
-            Action::Reset => clothes.iter().for_each(|entity| commands.trigger(ResetCloth { entity })),
+            Action::Reset => commands.trigger(ResetScene),
+            Action::Reopen => commands.trigger(ReopenScene),
             Action::Coloring => {
                 let now = ClothColoring::ALL.iter().position(|known| *known == coloring.0).unwrap_or(0);
                 coloring.0 = ClothColoring::ALL[(now + 1) % ClothColoring::ALL.len()];
             }
             Action::FireTool => {
-                picking.tool = match picking.tool {
-                    FireTool::Match => FireTool::Water,
-                    FireTool::Water => FireTool::Match,
+                picking.middle = match picking.middle {
+                    Some(ClothTool::Match) => Some(ClothTool::Water),
+                    _ => Some(ClothTool::Match),
                 }
             }
             Action::Fans => {
@@ -128,25 +154,33 @@ fn act(
             Action::Inspector => inspector.0 = !inspector.0,
             Action::Move => gizmo.mode = TransformGizmoMode::Translate,
             Action::Turn => gizmo.mode = TransformGizmoMode::Rotate,
-            Action::Delete => {
-                if let Some(entity) = selected.0.take() {
-                    commands.entity(entity).despawn();
-                }
-            }
+            Action::Scale => gizmo.mode = TransformGizmoMode::Scale,
+            Action::Next => commands.trigger(SelectNeighbor::Next),
+            Action::Previous => commands.trigger(SelectNeighbor::Previous),
+            Action::Duplicate => commands.trigger(DuplicateSelected),
+            Action::Delete => commands.trigger(DeleteSelected),
             Action::Deselect if help.0 => help.0 = false,
             Action::Deselect => selected.0 = None,
         }
     }
 }
 
-fn select_by_number(
-    keys: Res<ButtonInput<KeyCode>>,
-    mut selected: ResMut<Selected>,
-    selectables: Query<(Entity, &Selectable)>,
-) {
-    for (number, _) in (1..).zip(DIGITS).filter(|(_, key)| keys.just_pressed(*key)) {
-        if let Some((entity, _)) = selectables.iter().find(|(_, selectable)| selectable.0 == number) {
-            selected.0 = Some(entity);
-        }
+/// What the keys that have just gone down do.
+fn pressed(keys: &ButtonInput<KeyCode>) -> Vec<Action> {
+    let shift = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    let ctrl = keys.any_pressed([KeyCode::ControlLeft, KeyCode::ControlRight]);
+    let fits = |with: With| match with {
+        With::Plain => !ctrl,
+        With::Shift => shift && !ctrl,
+        With::Ctrl => ctrl,
+    };
+    let action = |code: &KeyCode| BINDINGS.iter().find(|(key, with, ..)| key == code && fits(*with));
+    keys.get_just_pressed().filter_map(action).map(|(.., action)| *action).collect()
+}
+
+fn take_tool(keys: Res<ButtonInput<KeyCode>>, active: Option<ResMut<ActiveTool>>) {
+    let tool = Tool::ALL.into_iter().find(|tool| keys.just_pressed(tool.face().key));
+    if let (Some(tool), Some(mut active)) = (tool, active) {
+        active.set_if_neq(ActiveTool(tool));
     }
 }

@@ -11,7 +11,10 @@ mod scenes;
 mod screenshot;
 mod select;
 mod shapes;
+#[cfg(test)]
+mod test_game;
 mod throw;
+mod tools;
 mod window;
 
 use bevy::diagnostic::FrameTimeDiagnosticsPlugin;

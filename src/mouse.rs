@@ -1,7 +1,9 @@
-//! To whom a drag of the mouse belongs: the cloth, the transform gizmo, a panel, or the camera.
+//! To whom a drag of the mouse belongs: the cloth or another tool, the transform gizmo, a panel, or the camera.
 //!
-//! The cloth comes first. The camera takes a drag only where it begins over nothing, or with Alt held down.
+//! The tool comes first. The camera takes a drag only where it begins over nothing and the tool does nothing there, or with
+//! Alt held down.
 
+use bevy::ecs::system::SystemParam;
 use bevy::gizmos::transform_gizmo::{TransformGizmoState, TransformGizmoSystems};
 use bevy::input::InputSystems;
 use bevy::picking::PickingSystems;
@@ -9,16 +11,18 @@ use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
-use bevy_cloth::ClothPicking;
+use bevy_cloth::{ClothPicking, Grabs};
 use bevy_egui::input::EguiWantsInput;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraSystemSet};
+
+use crate::tools::ActiveTool;
 
 /// Decides who gets the mouse.
 pub struct MousePlugin;
 
 impl Plugin for MousePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PreUpdate, lend_to_cloth.after(InputSystems).before(PickingSystems::Backend))
+        app.add_systems(PreUpdate, lend_to_tools.after(InputSystems).before(PickingSystems::Backend))
             .add_systems(PostUpdate, lend_to_camera.before(PanOrbitCameraSystemSet))
             .configure_sets(PostUpdate, TransformGizmoSystems.run_if(gizmo_may_work));
     }
@@ -27,20 +31,37 @@ impl Plugin for MousePlugin {
 /// Buttons that do something to cloth while they are held.
 const TO_CLOTH: [MouseButton; 3] = [MouseButton::Left, MouseButton::Right, MouseButton::Middle];
 
-/// The cloth may be grabbed and cut unless the press is meant for a panel, the gizmo or, by a key held down, the camera. A
-/// drag keeps what it began with.
-fn lend_to_cloth(
-    mut cloth: ResMut<ClothPicking>,
-    gizmo: Res<TransformGizmoState>,
-    mouse: Res<ButtonInput<MouseButton>>,
-    keys: Res<ButtonInput<KeyCode>>,
-    panels: Res<EguiWantsInput>,
-) {
-    if TO_CLOTH.iter().any(|button| mouse.pressed(*button) && !mouse.just_pressed(*button)) {
-        return;
+/// What says whose the mouse is.
+#[derive(SystemParam)]
+pub struct Mouse<'w, 's> {
+    gizmo: Res<'w, TransformGizmoState>,
+    buttons: Res<'w, ButtonInput<MouseButton>>,
+    keys: Res<'w, ButtonInput<KeyCode>>,
+    panels: Res<'w, EguiWantsInput>,
+    grabbed: Query<'w, 's, (), With<Grabs>>,
+}
+
+impl Mouse<'_, '_> {
+    /// Whether a press is meant for a tool, not for a panel, the gizmo or, by a key held down, the camera.
+    pub fn is_for_tool(&self) -> bool {
+        !self.panels.wants_any_pointer_input() && !is_for_gizmo(&self.gizmo) && !is_for_camera(&self.keys)
     }
-    let enabled = !panels.wants_any_pointer_input() && !is_for_gizmo(&gizmo) && !is_for_camera(&keys);
-    if cloth.enabled != enabled {
+
+    /// Whether the hand holds cloth.
+    pub fn holds(&self) -> bool {
+        self.buttons.pressed(MouseButton::Left) && !self.grabbed.is_empty()
+    }
+
+    /// Whether a button is down that was down before.
+    pub fn drags(&self) -> bool {
+        TO_CLOTH.iter().any(|button| self.buttons.pressed(*button) && !self.buttons.just_pressed(*button))
+    }
+}
+
+/// The tools work unless the press is meant for someone else. A drag keeps what it began with.
+fn lend_to_tools(mut cloth: ResMut<ClothPicking>, mouse: Mouse) {
+    let enabled = mouse.is_for_tool();
+    if !mouse.drags() && cloth.enabled != enabled {
         cloth.enabled = enabled;
     }
 }
@@ -49,21 +70,21 @@ fn lend_to_cloth(
 fn lend_to_camera(
     mut cameras: Query<&mut PanOrbitCamera>,
     mut drag_is_camera: Local<bool>,
-    gizmo: Res<TransformGizmoState>,
-    mouse: Res<ButtonInput<MouseButton>>,
-    keys: Res<ButtonInput<KeyCode>>,
-    panels: Res<EguiWantsInput>,
+    mouse: Mouse,
+    tool: Res<ActiveTool>,
     hovered: Res<HoverMap>,
     windows: Query<(), With<PrimaryWindow>>,
 ) {
-    if mouse.just_pressed(MouseButton::Left) {
+    if mouse.buttons.just_pressed(MouseButton::Left) {
         let over_something = hovered
             .get(&PointerId::Mouse)
             .is_some_and(|entities| entities.keys().any(|entity| !windows.contains(*entity)));
-        *drag_is_camera =
-            !panels.wants_any_pointer_input() && !is_for_gizmo(&gizmo) && (is_for_camera(&keys) || !over_something);
+        let is_tool = over_something || tool.0.works_anywhere();
+        let is_free = !mouse.panels.wants_any_pointer_input() && !is_for_gizmo(&mouse.gizmo);
+        *drag_is_camera = is_free && (is_for_camera(&mouse.keys) || !is_tool);
     }
-    let enabled = if mouse.pressed(MouseButton::Left) { *drag_is_camera } else { !panels.wants_any_pointer_input() };
+    let pressed = mouse.buttons.pressed(MouseButton::Left);
+    let enabled = if pressed { *drag_is_camera } else { !mouse.panels.wants_any_pointer_input() };
     for mut camera in &mut cameras {
         if camera.enabled != enabled {
             camera.enabled = enabled;

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
 use crate::camera::Canvas;
+use crate::tools::ToolsPlugin;
 use crate::{help::HelpPlugin, keys::KeysPlugin, mouse::MousePlugin, select::SelectPlugin, throw::ThrowPlugin};
 
 /// Opens a window of `size` pixels and lets the user take part.
@@ -24,6 +25,6 @@ impl Plugin for WindowedPlugin {
         app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
             .insert_resource(Canvas(RenderTarget::default()))
             .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin))
-            .add_plugins((KeysPlugin, HelpPlugin, ThrowPlugin));
+            .add_plugins((KeysPlugin, HelpPlugin, ThrowPlugin, ToolsPlugin));
     }
 }

@@ -235,7 +235,7 @@ fn a_middle_click_lights_and_with_water_in_hand_puts_out() {
     act(&mut app, PointerAction::Release(PointerButton::Middle));
     run(&mut app, 16);
     assert!(get::<ClothFire>(&app, cloth).flaming() > 0);
-    app.world_mut().resource_mut::<ClothPicking>().tool = FireTool::Water;
+    app.world_mut().resource_mut::<ClothPicking>().middle = Some(ClothTool::Water);
     act(&mut app, PointerAction::Press(PointerButton::Middle));
     run(&mut app, 2);
     assert_eq!(get::<ClothFire>(&app, cloth).flaming(), 0);
@@ -267,7 +267,7 @@ fn match_and_water_are_drawn_across_the_cloth_until_the_button_is_up() {
     let [left, middle, right] = [(-0.1, -0.05), (-0.02, 0.07), (0.09, 0.13)].map(|(a, b)| between(&app, a, b, &is_hot));
     assert!(left > 0 && middle > 1, "{left} and {middle} particles are alight");
     assert_eq!(right, 0, "the button is up");
-    app.world_mut().resource_mut::<ClothPicking>().tool = FireTool::Water;
+    app.world_mut().resource_mut::<ClothPicking>().middle = Some(ClothTool::Water);
     act(&mut app, 370.0, PointerAction::Press(PointerButton::Middle));
     run(&mut app, 64);
     sweep(&mut app, 37, 42);

@@ -29,6 +29,17 @@ struct CurtainRod;
 #[derive(Component)]
 struct Fitting;
 
+/// A ring with its clip: what slides along the rod, of which it is a child.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Ring {
+    /// The how-manyth from the left it is.
+    pub number: u32,
+    /// The column of the curtain's mesh that hangs on it.
+    pub column: u32,
+    /// Where along the rod it is at first, m.
+    pub home: f32,
+}
+
 /// Meshes and material of all rods.
 #[derive(Resource)]
 struct Hardware {
@@ -90,13 +101,8 @@ fn fit(
         }
         transform.translation.y = -DROP - size.y / 2.0;
         let mut part = |mesh: &Handle<Mesh>, place: Transform| {
-            commands.spawn((
-                Fitting,
-                Mesh3d(mesh.clone()),
-                MeshMaterial3d(hardware.brass.clone()),
-                place,
-                ChildOf(parent.parent()),
-            ));
+            let look = (Mesh3d(mesh.clone()), MeshMaterial3d(hardware.brass.clone()));
+            commands.spawn((Fitting, look, place, ChildOf(parent.parent())));
         };
         let half_bar = size.x / 2.0 + OVERHANG;
         let across = Quat::from_rotation_z(FRAC_PI_2);
@@ -104,9 +110,17 @@ fn fit(
         for side in [-half_bar, half_bar] {
             part(&hardware.knob, Transform::from_xyz(side, 0.0, 0.0));
         }
-        for x in pin_places(pins, size.x, *resolution) {
-            part(&hardware.ring, Transform::from_xyz(x, BAR_RADIUS - RING.0, 0.0).with_rotation(across));
-            part(&hardware.clip, Transform::from_xyz(x, -DROP + CLIP.y * 0.2, 0.0));
+        for (number, home) in (0..).zip(pin_places(pins, size.x, *resolution)) {
+            let column = ((home / size.x + 0.5) * cells(size.x, *resolution)).round() as u32;
+            let ring = (Fitting, Ring { number, column, home }, Transform::from_xyz(home, 0.0, 0.0));
+            let part = |mesh: &Handle<Mesh>, place: Transform| {
+                (Mesh3d(mesh.clone()), MeshMaterial3d(hardware.brass.clone()), place)
+            };
+            commands.spawn((ring, Visibility::default(), ChildOf(parent.parent()))).with_children(|ring| {
+                let turned = Transform::from_xyz(0.0, BAR_RADIUS - RING.0, 0.0).with_rotation(across);
+                ring.spawn(part(&hardware.ring, turned));
+                ring.spawn(part(&hardware.clip, Transform::from_xyz(0.0, -DROP + CLIP.y * 0.2, 0.0)));
+            });
         }
     }
 }
@@ -117,13 +131,18 @@ fn pin_places(pins: &Pins, width: f32, resolution: Resolution) -> Vec<f32> {
         PinSelect::Rods(rods) => Some(rods),
         _ => None,
     });
-    let cells = match resolution {
-        Resolution::Spacing(spacing) => (width / spacing).round().max(1.0),
-        Resolution::Cells(cells) => cells.x.max(1) as f32,
-    };
+    let cells = cells(width, resolution);
     let share = |rod: u32, rods: u32| if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
     let rods = rods.unwrap_or(0).min(cells as u32 + 1);
     (0..rods).map(|rod| ((share(rod, rods) * cells).round() / cells - 0.5) * width).collect()
+}
+
+/// The number of cells of the curtain's mesh along its width.
+fn cells(width: f32, resolution: Resolution) -> f32 {
+    match resolution {
+        Resolution::Spacing(spacing) => (width / spacing).round().max(1.0),
+        Resolution::Cells(cells) => cells.x.max(1) as f32,
+    }
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use crate::camera::Viewpoint;
 use crate::cli::{Coloring, Options};
 use crate::look::View;
 pub use catalog::{Entry, MENU, SANDBOX, find, names, open};
+pub use curtain_rod::{DROP, Ring};
 pub use finish::paint;
 
 /// Opens scenes, first of all the one that was asked for.

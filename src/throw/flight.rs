@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use bevy::gizmos::transform_gizmo::TransformGizmoState;
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::contact::Shape;
-use bevy_cloth::{ClothClock, ClothCollider, ClothForce, Gravity, Shared};
+use bevy_cloth::{ClothClock, ClothCollider, ClothForce, ColliderShapes, Gravity, Shared};
+
+use crate::tools::Dragged;
 
 /// Mass of a ball, kg: that of a football.
 pub const MASS: f32 = 0.43;
@@ -39,6 +40,11 @@ impl Ball {
         Self { number, velocity, before: at, now: at, push: Vec3::ZERO }
     }
 
+    /// The same ball under another number.
+    pub fn renumbered(self, number: u32) -> Self {
+        Self { number, ..self }
+    }
+
     /// Where it is drawn at this part of the way from the tick before to the last one, m. One that was moved by hand is at
     /// `place`.
     pub fn shown_at(&self, place: Vec3, part: f32) -> Vec3 {
@@ -58,18 +64,19 @@ struct Flyer {
 }
 
 /// A solid that a ball bounces off.
-struct Solid {
-    shape: Shape,
+struct Solid<'a> {
+    shape: &'a Shape,
     place: Vec3,
     rotation: Quat,
 }
 
 /// Moves every ball by one tick. A ball that is moved by hand stands there until it is let go.
 pub fn fly(
-    mut balls: Query<(Entity, &mut Ball, &mut Transform, &ClothCollider, &ClothForce)>,
-    solids: Query<(&ClothCollider, &GlobalTransform), Without<Ball>>,
+    mut balls: Query<(Entity, &mut Ball, &mut Transform, &ClothForce)>,
+    solids: Query<(Entity, &GlobalTransform), (With<ClothCollider>, Without<Ball>)>,
+    shapes: ColliderShapes,
     (time, gravity): (Res<Time<ClothClock>>, Res<Shared<Gravity>>),
-    gizmo: Option<Res<TransformGizmoState>>,
+    dragged: Option<Res<Dragged>>,
     mut last: Local<Duration>,
 ) {
     // While the clock is paused and a hand pulls a cloth, ticks come in which no time passes.
@@ -77,11 +84,12 @@ pub fn fly(
         return;
     }
     let dt = time.delta_secs();
-    let solids: Vec<Solid> = solids.iter().filter_map(|(collider, place)| Solid::new(collider, place)).collect();
-    let dragged = gizmo.filter(|gizmo| gizmo.active).and_then(|gizmo| gizmo.entity);
+    let solids = solids.iter().filter_map(|(entity, place)| Some(Solid::new(shapes.get(entity)?, place)));
+    let solids: Vec<Solid> = solids.collect();
+    let dragged = dragged.and_then(|dragged| dragged.0);
     let mut flyers: Vec<Flyer> = (balls.iter())
-        .filter_map(|(entity, ball, place, collider, cloth)| {
-            let radius = collider.shape(place.scale).ok()?.bounding_radius();
+        .filter_map(|(entity, ball, place, cloth)| {
+            let radius = shapes.get(entity)?.bounding_radius();
             let flies = dragged != Some(entity) && place.translation == ball.now && radius.is_finite();
             // The push between two ticks, half a tick after the mean of the last one: without this, pushes come too late, and
             // a bounce off taut cloth gains a quarter of the ball's energy.
@@ -105,7 +113,7 @@ pub fn fly(
         }
     }
     for flyer in flyers {
-        if let Ok((_, mut ball, mut place, ..)) = balls.get_mut(flyer.entity) {
+        if let Ok((_, mut ball, mut place, _)) = balls.get_mut(flyer.entity) {
             (ball.before, ball.now, ball.velocity) = (place.translation, flyer.at, flyer.velocity);
             ball.push = flyer.push;
             if place.translation != flyer.at {
@@ -172,11 +180,10 @@ fn bounce(velocity: Vec3, normal: Vec3) -> Vec3 {
     push * normal - along.clamp_length_max(ROLLING * push)
 }
 
-impl Solid {
-    /// `None` for a collider that the cloth refuses, too.
-    fn new(collider: &ClothCollider, place: &GlobalTransform) -> Option<Self> {
-        let (scale, rotation, place) = place.to_scale_rotation_translation();
-        Some(Self { shape: collider.shape(scale).ok()?, place, rotation })
+impl<'a> Solid<'a> {
+    fn new(shape: &'a Shape, place: &GlobalTransform) -> Self {
+        let (_, rotation, place) = place.to_scale_rotation_translation();
+        Self { shape, place, rotation }
     }
 
     fn distance_and_normal(&self, at: Vec3) -> (f32, Vec3) {

@@ -1,4 +1,4 @@
-//! The ball that a key throws from the camera through the cursor, and the slider for its speed.
+//! The ball that is thrown from the camera through the cursor.
 
 mod flight;
 #[cfg(test)]
@@ -11,13 +11,13 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_cloth::{ClothClock, ClothCollider, ClothForce, ClothSchedule, ClothSystems, ClothTime};
 use bevy_egui::input::EguiWantsInput;
-use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use crate::scenes::{OfScene, paint};
 use crate::select::Selectable;
 use crate::shapes::mesh_of;
+use crate::tools::MadeInPlay;
 
-use flight::Ball;
+pub use flight::Ball;
 
 /// Radius of a ball, m: that of a football.
 const RADIUS: f32 = 0.11;
@@ -27,8 +27,6 @@ pub const MOST: usize = 8;
 const REACH: f32 = 0.5;
 /// Colour of a ball.
 const COLOR: Color = Color::srgb(0.85, 0.33, 0.10);
-/// Where the slider is, from the lower left corner of the window, logical pixels.
-const SLIDER: [f32; 2] = [84.0, -6.0];
 
 /// Throws a ball from the camera through the cursor. If the cursor is outside of the scene, through the scene's middle.
 #[derive(Event, Clone, Copy, Debug)]
@@ -62,8 +60,7 @@ impl Plugin for ThrowPlugin {
             .add_observer(throw)
             .add_systems(ClothSchedule, flight::fly.before(ClothSystems::Prepare))
             .add_systems(Update, give_bodies_meshes)
-            .add_systems(PostUpdate, place_bodies.after(ClothSystems::Draw))
-            .add_systems(EguiPrimaryContextPass, show_slider);
+            .add_systems(PostUpdate, place_bodies.after(ClothSystems::Draw));
     }
 }
 
@@ -95,6 +92,7 @@ fn throw(
         OfScene,
         Name::new(format!("ball {}", *count)),
         Selectable(0),
+        MadeInPlay,
         Ball::new(*count, at, ray.direction * speed.0),
         ClothCollider::Sphere { radius: RADIUS },
         ClothForce::default(),
@@ -133,21 +131,4 @@ fn place_bodies(
             *shown = GlobalTransform::from(Transform { translation, ..*now });
         }
     }
-}
-
-fn show_slider(mut contexts: EguiContexts, mut speed: ResMut<ThrowSpeed>) -> Result {
-    let context = contexts.ctx_mut()?;
-    let mut value = speed.0;
-    egui::Area::new("throw".into()).anchor(egui::Align2::LEFT_BOTTOM, SLIDER).show(context, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(egui::RichText::new("T: throw a ball at").color(egui::Color32::from_gray(50)));
-            let (least, most) = ThrowSpeed::RANGE.into_inner();
-            let slider = egui::Slider::new(&mut value, ThrowSpeed::RANGE).fixed_decimals(0).suffix(" m/s");
-            ui.add(slider).on_hover_text(format!("{least} to {most} m/s"));
-        });
-    });
-    if value != speed.0 {
-        speed.0 = value;
-    }
-    Ok(())
 }

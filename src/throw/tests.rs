@@ -1,87 +1,16 @@
 //! Balls are thrown by the key in an app with the real input, transforms and cloth.
 
-use std::time::Duration;
-
-use bevy::camera::{CameraProjection, RenderTarget, RenderTargetInfo};
-use bevy::gizmos::transform_gizmo::{TransformGizmoSettings, TransformGizmoState};
-use bevy::input::keyboard::{Key, KeyboardInput};
-use bevy::input::{ButtonState, InputPlugin};
-use bevy::picking::{InteractionPlugin, PickingPlugin};
-use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_cloth::*;
-use bevy_cloth_inspector::{InspectorOpen, Selected};
+use bevy_cloth_inspector::Selected;
 
 use super::*;
-use crate::help::HelpOpen;
-use crate::keys::KeysPlugin;
+use crate::select::Selectable;
+use crate::test_game::{Game, TICKS_PER_SECOND};
 
-/// Size of the window, pixels.
-const PIXELS: UVec2 = UVec2::new(800, 600);
-/// Length of a tick: Bevy's default fixed timestep, 64 Hz.
-const TICK: Duration = Duration::from_micros(15625);
-const TICKS_PER_SECOND: usize = 64;
 /// What is allowed for rounding, m or m/s.
 const ROUNDING: f32 = 1e-4;
 
-/// A game whose camera looks from (0, 1.5, 4) along −z, without ground.
-struct Game {
-    app: App,
-    window: Entity,
-}
-
 impl Game {
-    fn new() -> Self {
-        Self::with_frames(1)
-    }
-
-    /// With a frame every so many ticks.
-    fn with_frames(ticks: u32) -> Self {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, TransformPlugin, InputPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin))
-            .add_plugins((WindowPlugin::default(), PickingPlugin, InteractionPlugin))
-            .add_plugins((ClothPlugin::default(), KeysPlugin, ThrowPlugin))
-            .init_asset::<StandardMaterial>()
-            .init_resource::<EguiWantsInput>()
-            .init_resource::<TransformGizmoSettings>()
-            .init_resource::<TransformGizmoState>()
-            .init_resource::<HelpOpen>()
-            .init_resource::<InspectorOpen>()
-            .init_resource::<Selected>()
-            .init_resource::<ClothPicking>()
-            .insert_resource(TimeUpdateStrategy::ManualDuration(TICK * ticks));
-        let mut camera = Camera::default();
-        camera.computed.target_info = Some(RenderTargetInfo { physical_size: PIXELS, scale_factor: 1.0 });
-        let lens = PerspectiveProjection { aspect_ratio: PIXELS.x as f32 / PIXELS.y as f32, ..default() };
-        camera.computed.clip_from_view = lens.get_clip_from_view();
-        let at = Transform::from_xyz(0.0, 1.5, 4.0);
-        app.world_mut().spawn((Camera3d::default(), camera, RenderTarget::None { size: PIXELS }, at));
-        let mut windows = app.world_mut().query_filtered::<Entity, With<PrimaryWindow>>();
-        let window = windows.single(app.world()).unwrap();
-        app.update();
-        let mut game = Self { app, window };
-        game.point_at(PIXELS.as_vec2() / 2.0);
-        game
-    }
-
-    fn point_at(&mut self, cursor: Vec2) {
-        let mut window = self.app.world_mut().get_mut::<Window>(self.window).unwrap();
-        window.set_physical_cursor_position(Some(cursor.as_dvec2()));
-    }
-
-    fn press(&mut self, key_code: KeyCode) {
-        for state in [ButtonState::Pressed, ButtonState::Released] {
-            let window = self.window;
-            let key = KeyboardInput { key_code, logical_key: Key::F35, state, text: None, repeat: false, window };
-            self.app.world_mut().write_message(key);
-            self.app.update();
-        }
-    }
-
-    fn run(&mut self, seconds: f32) {
-        (0..(seconds * TICKS_PER_SECOND as f32) as usize).for_each(|_| self.app.update());
-    }
-
     /// Throws a ball with that speed, m/s.
     fn throw(&mut self, speed: f32) -> Entity {
         self.app.world_mut().resource_mut::<ThrowSpeed>().0 = speed;
@@ -97,10 +26,6 @@ impl Game {
         balls.into_iter().map(|(_, entity)| entity).collect()
     }
 
-    fn place(&self, ball: Entity) -> Vec3 {
-        self.app.world().get::<Transform>(ball).unwrap().translation
-    }
-
     fn velocity(&self, ball: Entity) -> Vec3 {
         self.app.world().get::<Ball>(ball).unwrap().velocity
     }
@@ -108,10 +33,6 @@ impl Game {
     /// Kinetic and potential energy over the ball's mass, J/kg.
     fn energy(&self, ball: Entity) -> f32 {
         0.5 * self.velocity(ball).length_squared() + 9.81 * self.place(ball).y
-    }
-
-    fn spawn(&mut self, bundle: impl Bundle) -> Entity {
-        self.app.world_mut().spawn(bundle).id()
     }
 
     fn weightless(&mut self) {
@@ -210,6 +131,24 @@ fn no_solid_is_passed_however_fast_the_ball() {
             assert!(game.velocity(ball).z > 0.0, "{collider:?}: {} m/s", game.velocity(ball));
             assert!(game.velocity(ball).length() < speed, "{collider:?}: {} m/s", game.velocity(ball));
         }
+    }
+}
+
+#[test]
+fn a_wall_of_a_mesh_is_not_passed_also_after_it_was_scaled() {
+    let wall = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(3).build();
+    for (scale, speed) in [(1.0, 3.0), (1.0, 40.0), (3.0, 40.0)] {
+        let mut game = Game::new();
+        game.weightless();
+        let mesh = game.app.world_mut().resource_mut::<Assets<Mesh>>().add(wall.clone());
+        let at = Transform::from_xyz(0.3 * scale, 1.5, 0.0);
+        let wall = game.spawn((ClothCollider::Mesh { thickness: 0.01 }, Mesh3d(mesh), at));
+        game.run(0.1);
+        game.app.world_mut().get_mut::<Transform>(wall).unwrap().scale = Vec3::splat(scale);
+        game.run(0.1);
+        let ball = game.throw(speed);
+        game.run(8.0 / speed);
+        assert!(game.velocity(ball).z > 0.0 && game.place(ball).z > 0.0, "{speed} m/s, scale {scale}");
     }
 }
 

@@ -1,6 +1,8 @@
-//! The authored components of solids that cloth cannot enter.
+//! The authored components of solids that cloth cannot enter, and the shapes made of them.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use cloth_solver::contact::Shape;
 
 use crate::prepare::ColliderState;
 
@@ -114,6 +116,36 @@ impl Default for ClothCollider {
     /// A ball of half a metre.
     fn default() -> Self {
         Self::Sphere { radius: 0.5 }
+    }
+}
+
+/// The shapes of all colliders as cloth meets them, those of meshes and the scale of the transform included: for systems that
+/// ask how far something is from a collider, as for a ball that bounces off it. They are made in
+/// [`ClothSystems::Build`](crate::ClothSystems::Build), when a collider changes.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_cloth::ColliderShapes;
+/// fn depth(colliders: Query<(Entity, &GlobalTransform)>, shapes: ColliderShapes) {
+///     for (entity, place) in &colliders {
+///         let (_, rotation, translation) = place.to_scale_rotation_translation();
+///         let origin = rotation.inverse() * -translation;
+///         let distance = shapes.get(entity).map(|shape| shape.distance_and_normal(origin).0);
+///         info!("the world's origin is {distance:?} m away from {entity}");
+///     }
+/// }
+/// # App::new().add_systems(Update, depth);
+/// ```
+#[derive(SystemParam)]
+pub struct ColliderShapes<'w, 's> {
+    states: Query<'w, 's, &'static ColliderState>,
+}
+
+impl ColliderShapes<'_, '_> {
+    /// The shape of a collider in its own frame, without its place and rotation. `None` if it is no collider, was refused, or
+    /// waits for its mesh.
+    pub fn get(&self, entity: Entity) -> Option<&Shape> {
+        self.states.get(entity).ok()?.shape()
     }
 }
 

@@ -176,8 +176,8 @@ pub struct ClothBurntOut {
     pub position: Vec3,
 }
 
-/// Trigger this to put a cloth back to its rest pose, at rest, and whole if it was torn, cut or burnt. Pins stay. Works
-/// while the clock is paused.
+/// Trigger this to put a cloth back to its rest pose where its entity is now, at rest, and whole if it was torn, cut or burnt.
+/// [`Pins`](crate::Pins) stay, [`ParticlePins`](crate::ParticlePins) are removed. Works while the clock is paused.
 ///
 /// ```
 /// # use bevy::prelude::*;

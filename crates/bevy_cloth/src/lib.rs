@@ -36,7 +36,8 @@
 //! # What a cloth is made of
 //! One component per concept, each optional beside [`Cloth`], each to be inserted, changed and removed at any time.
 //! [`Cloth`] says where the rest shape comes from (a rectangle, or the entity's own mesh, which may load later),
-//! [`Fabric`] what it is made of, [`Pins`] what holds it, [`Weights`] what hangs on it. Solids are entities with a
+//! [`Fabric`] what it is made of, [`Pins`] what holds it, [`ParticlePins`] what is pinned by hand while it runs ([`PinParticle`],
+//! [`UnpinParticle`]), [`Weights`] what hangs on it. Solids are entities with a
 //! [`ClothCollider`].
 //!
 //! # Settings
@@ -103,8 +104,9 @@
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
 //!
 //! # Picking
-//! A backend for [`bevy::picking`] casts against the shape the cloth has now. The left button grabs it, the right one cuts,
-//! the middle one lights what is flammable; grabbing and cutting work while the clock is paused, too. Grabbing by code is inserting
+//! A backend for [`bevy::picking`] casts against the shape the cloth has now. `ClothPicking` says which `ClothTool` each button is:
+//! the left one grabs, the right one cuts, the middle one lights what is flammable, unless you say otherwise. Grabbing, cutting and
+//! pinning work while the clock is paused, too. Grabbing by code is inserting
 //! [`Grabs`].
 //!
 //! # Features
@@ -120,6 +122,7 @@ pub mod contact_view;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
+pub mod particle_pins;
 #[cfg(feature = "picking")]
 pub mod picking;
 pub mod pins;
@@ -146,7 +149,7 @@ pub use cloth_solver::contact::{ContactPoint, SelfContact};
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};
 pub use cloth_solver::{self, ClothError, Fabric, Method, Particles};
-pub use collider::{ClothCollider, ColliderFriction};
+pub use collider::{ClothCollider, ColliderFriction, ColliderShapes};
 pub use contact::{ClothForce, ContactEvents};
 pub use contact_view::{ContactLists, ContactView, Crossing};
 pub use damage::{
@@ -159,8 +162,9 @@ pub use events::{
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
     ContactEnded, DebrisGone, PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
+pub use particle_pins::{ParticlePin, ParticlePins, PinParticle, UnpinParticle};
 #[cfg(feature = "picking")]
-pub use picking::{ClothHit, ClothPicking, FireTool};
+pub use picking::{ClothHit, ClothPicking, ClothTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
 pub use render::{ClothColoring, ClothFlames};

@@ -11,6 +11,7 @@ use crate::collider::{ClothCollider, ColliderFriction};
 use crate::events::{
     ClothRecovered, ClothRejected, ClothReset, ClothTangled, ClothUntangled, ColliderRejected, WindRejected,
 };
+use crate::particle_pins::{self, ParticlePins};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
@@ -132,6 +133,7 @@ impl Plugin for ClothPlugin {
         sleep::plugin(app);
         contact::plugin(app);
         contact_view::plugin(app);
+        app.add_observer(particle_pins::on_pin).add_observer(particle_pins::on_unpin);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
         #[cfg(feature = "picking")]
@@ -174,6 +176,7 @@ fn register_types(app: &mut App) {
         .register_type_data::<Fabric, ReflectComponent>()
         .register_type_data::<Fabric, ReflectDefault>()
         .register_type::<Pins>()
+        .register_type::<ParticlePins>()
         .register_type::<Weights>()
         .register_type::<Air>()
         .register_type_data::<Air, ReflectComponent>()

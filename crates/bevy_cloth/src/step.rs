@@ -11,7 +11,7 @@ use cloth_solver::method;
 
 use crate::clock::{ClothClock, RunsInFixedLoop};
 use crate::cloth::ClothTopology;
-use crate::prepare::StepPlan;
+use crate::prepare::{MovedInPause, StepPlan};
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
 use crate::settings::Grabs;
 use crate::sleep::ClothAsleep;
@@ -21,7 +21,7 @@ use crate::sleep::ClothAsleep;
 pub(crate) struct ClothTick {
     /// Its length, s.
     pub dt: f32,
-    /// Time stands and only what is held by a hand moves: no force acts, no speed is kept, the clock does not
+    /// Time stands and only what is held by a hand, or hangs on something that is moved, moves: no force acts, no speed is kept, the clock does not
     /// advance.
     pub still: bool,
     /// How many ticks are still to come in this frame, this one included.
@@ -39,7 +39,9 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
     let Some(mut clock) = world.get_resource_mut::<Time<ClothClock>>() else { return };
     let due = clock.context_mut().take(delta, timestep);
     let stands = clock.context().stands();
-    let still = stands && due == 0 && grabs.iter(world).any(|grabs| !grabs.0.is_empty());
+    let held = grabs.iter(world).any(|grabs| !grabs.0.is_empty());
+    let moved = world.get_resource::<MovedInPause>().is_some_and(|moved| moved.0);
+    let still = stands && due == 0 && (held || moved);
     if due == 0 && !still {
         return;
     }

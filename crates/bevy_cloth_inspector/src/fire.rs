@@ -1,7 +1,7 @@
 //! Fire: whether the cloth may burn and as what, and how it does.
 
 use bevy::prelude::*;
-use bevy_cloth::{ClothFire, ClothPicking, Contagion, FireTool, Flammability, Flammable};
+use bevy_cloth::{ClothFire, ClothPicking, ClothTool, Contagion, Flammability, Flammable};
 use bevy_egui::egui;
 
 use crate::widgets::{self, Unit};
@@ -26,8 +26,8 @@ pub fn show(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
             widgets::edit_resource(world, |picking: &mut ClothPicking| {
                 widgets::row(ui, "middle button", "What it does to cloth that may burn.", |ui| {
                     ui.horizontal(|ui| {
-                        ui.selectable_value(&mut picking.tool, FireTool::Match, "match");
-                        ui.selectable_value(&mut picking.tool, FireTool::Water, "water");
+                        ui.selectable_value(&mut picking.middle, Some(ClothTool::Match), "match");
+                        ui.selectable_value(&mut picking.middle, Some(ClothTool::Water), "water");
                     });
                 });
             });

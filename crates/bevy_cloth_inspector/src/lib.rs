@@ -31,7 +31,7 @@
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `statistics` | particles, strain, frame rate, times |
-//! | `outline` | lines around the selected object |
+//! | `outline` | lines around the selected object and the one under the pointer |
 //! | `silhouette` | where a mesh ends for the eye |
 
 mod air;
@@ -55,12 +55,18 @@ use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_inspector_egui::DefaultInspectorConfigPlugin;
 
 pub use contact_view::ContactGizmos;
-pub use outline::{NoOutline, SelectionGizmos};
+pub use outline::{HoverGizmos, NoOutline, SelectionGizmos};
 
 /// The entity that is selected, if any. Write it from your own picking.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default)]
 pub struct Selected(pub Option<Entity>);
+
+/// The entity under the pointer that a click would select, if any: it gets a softer outline than [`Selected`]. Write it from
+/// your own picking.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default)]
+pub struct Hovered(pub Option<Entity>);
 
 /// Whether the panel is shown. Default `true`.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,10 +96,12 @@ impl Plugin for ClothInspectorPlugin {
         }
         app.add_plugins((DefaultInspectorConfigPlugin, outline::OutlinePlugin, contact_view::ContactViewPlugin))
             .init_resource::<Selected>()
+            .init_resource::<Hovered>()
             .init_resource::<InspectorOpen>()
             .init_resource::<PanelWidth>()
             .init_resource::<object::Refusals>()
             .register_type::<Selected>()
+            .register_type::<Hovered>()
             .register_type::<InspectorOpen>()
             .register_type::<PanelWidth>()
             .add_systems(PreUpdate, forget_despawned)

@@ -6,8 +6,8 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
 
-use super::ClothPicking;
 use super::backend::Shown;
+use super::{ClothPicking, ClothTool};
 use crate::damage::Whole;
 
 /// How far a blade reaches, m.
@@ -45,7 +45,7 @@ pub(crate) fn cut(
     for event in input.read() {
         let (pointer, location) = (event.pointer_id, &event.location);
         match event.action {
-            PointerAction::Press(button) if settings.enabled && settings.cut_button == Some(button) => {
+            PointerAction::Press(button) if settings.tool(button) == Some(ClothTool::Cut) => {
                 ended |= strokes.end(|stroke| stroke.pointer == pointer);
                 strokes.count += 1;
                 let number = strokes.count;

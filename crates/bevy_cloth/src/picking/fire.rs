@@ -6,7 +6,7 @@ use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::{PointerButton, PointerId, PointerPress};
 use bevy::prelude::*;
 
-use super::{ClothHit, ClothPicking, FireTool};
+use super::{ClothHit, ClothPicking, ClothTool};
 use crate::damage::{Flammable, IgniteCloth, WetCloth};
 
 /// How far a match reaches, m.
@@ -32,14 +32,11 @@ pub(crate) fn take_up(
 ) {
     let entity = press.entity;
     // The event climbs up to the parents of what was hit.
-    if entity != press.original_event_target()
-        || !settings.enabled
-        || settings.tool_button != Some(press.button)
-        || !cloths.contains(entity)
-    {
+    if entity != press.original_event_target() || !cloths.contains(entity) {
         return;
     }
-    if apply(settings.tool, WATER.0, entity, &press.hit, &mut commands) {
+    let Some(tool) = settings.tool(press.button) else { return };
+    if apply(tool, WATER.0, entity, &press.hit, &mut commands) {
         tools.0.retain(|(pointer, _)| *pointer != press.pointer_id);
         tools.0.push((press.pointer_id, press.button));
     }
@@ -62,21 +59,23 @@ pub(crate) fn go_on(
             PointerButton::Secondary => press.is_secondary_pressed(),
             PointerButton::Middle => press.is_middle_pressed(),
         });
-        is_down && settings.enabled && settings.tool_button == Some(*button)
+        is_down && matches!(settings.tool(*button), Some(ClothTool::Match | ClothTool::Water))
     });
-    for hits in tools.0.iter().filter_map(|(pointer, _)| hovered.get(pointer)) {
+    for (pointer, button) in &tools.0 {
+        let (Some(tool), Some(hits)) = (settings.tool(*button), hovered.get(pointer)) else { continue };
         for (entity, hit) in hits.iter().filter(|(entity, _)| cloths.contains(**entity)) {
-            apply(settings.tool, WATER.1 * time.delta_secs(), *entity, hit, &mut commands);
+            apply(tool, WATER.1 * time.delta_secs(), *entity, hit, &mut commands);
         }
     }
 }
 
 /// Uses `tool` where a pointer meets a cloth; whether it does.
-fn apply(tool: FireTool, water: f32, entity: Entity, hit: &HitData, commands: &mut Commands) -> bool {
+fn apply(tool: ClothTool, water: f32, entity: Entity, hit: &HitData, commands: &mut Commands) -> bool {
     let (Some(_), Some(position)) = (hit.extra_as::<ClothHit>(), hit.position) else { return false };
     match tool {
-        FireTool::Match => commands.trigger(IgniteCloth { entity, position, radius: MATCH }),
-        FireTool::Water => commands.trigger(WetCloth { entity, position, radius: SPLASH, water }),
+        ClothTool::Match => commands.trigger(IgniteCloth { entity, position, radius: MATCH }),
+        ClothTool::Water => commands.trigger(WetCloth { entity, position, radius: SPLASH, water }),
+        _ => return false,
     }
     true
 }

@@ -6,7 +6,7 @@ use bevy::picking::events::{Pointer, Press};
 use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput, PointerMap};
 use bevy::prelude::*;
 
-use super::{ClothHit, ClothPicking};
+use super::{ClothHit, ClothPicking, ClothTool};
 use crate::cloth::ClothTopology;
 use crate::settings::{Grab, Grabs};
 
@@ -43,7 +43,7 @@ pub(crate) fn grab(
     // The event climbs up to the parents of what was hit.
     let hit = press.hit.extra_as::<ClothHit>().filter(|_| cloth == press.original_event_target());
     let (Some(hit), Some(through), Ok(view)) = (hit, press.hit.position, cameras.get(camera)) else { return };
-    if !settings.enabled || settings.button != Some(press.button) || !cloths.contains(cloth) {
+    if settings.tool(press.button) != Some(ClothTool::Grab) || !cloths.contains(cloth) {
         return;
     }
     hands.let_go(&mut commands, |hold| hold.pointer == press.pointer_id);

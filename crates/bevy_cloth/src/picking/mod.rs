@@ -1,9 +1,10 @@
-//! Picking: a backend on the deformed surface, the hand that grabs, the blade that cuts, and match and water.
+//! Picking: a backend on the deformed surface, the hand that grabs, the blade that cuts, match and water, and pins.
 
 mod backend;
 mod blade;
 mod fire;
 mod hand;
+mod pin;
 
 use bevy::asset::uuid_handle;
 use bevy::picking::PickingSystems;
@@ -12,34 +13,37 @@ use bevy::picking::mesh_picking::ray_cast::SimplifiedMesh;
 use bevy::picking::pointer::{PointerButton, PointerInput};
 use bevy::prelude::*;
 
-/// What a pointer brings to cloth that may burn.
+/// What a button of a pointer does to cloth while it is held.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
-pub enum FireTool {
-    /// A match: sets alight what it passes.
+pub enum ClothTool {
+    /// A hand: grabs the cloth and pulls it. What is [`Tearable`](crate::Tearable) may rip.
     #[default]
+    Grab,
+    /// A blade: cuts every cloth that the pointer sweeps over.
+    Cut,
+    /// A match: lights cloth that is [`Flammable`](crate::Flammable).
     Match,
-    /// Water: puts out, and wets. Within 15 cm half a litre a square metre at once, and another litre
-    /// in each second while it is held.
+    /// Water, for cloth that is [`Flammable`](crate::Flammable): puts out, and wets. Within 15 cm half a litre a square metre
+    /// at once, and another litre in each second while it is held.
     Water,
+    /// Pins: a press pins the particle hit to the world where it is, see [`PinParticle`](crate::PinParticle). A press on a
+    /// pinned particle, or within 3 cm of one, releases it, also if [`Pins`](crate::Pins) holds it.
+    Pin,
 }
 
-/// How pointers meet cloth.
+/// How pointers meet cloth: which tool each button is.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct ClothPicking {
-    /// Whether clothes are hit by pointers and can be grabbed and cut. Default true.
+    /// Whether clothes are hit by pointers and the tools work. Default true.
     pub enabled: bool,
-    /// The button that grabs while it is held, or `None` for no grabbing. Default the primary (left) button.
-    pub button: Option<PointerButton>,
-    /// The button that cuts while it is held and the pointer moves, or `None` for no cutting. Default the secondary (right)
-    /// button.
-    pub cut_button: Option<PointerButton>,
-    /// The button that uses [`ClothPicking::tool`] on cloth that is [`Flammable`](crate::Flammable), for as long as it is held,
-    /// or `None`. Default the middle button.
-    pub tool_button: Option<PointerButton>,
-    /// What that button does. Default it ignites.
-    pub tool: FireTool,
+    /// The tool of the primary (left) button, or `None`. Default [`ClothTool::Grab`].
+    pub primary: Option<ClothTool>,
+    /// The tool of the secondary (right) button, or `None`. Default [`ClothTool::Cut`].
+    pub secondary: Option<ClothTool>,
+    /// The tool of the middle button, or `None`. Default [`ClothTool::Match`].
+    pub middle: Option<ClothTool>,
     /// Stiffness of the hand, N/m; 0.001 to 10,000,000. Default 200.
     pub stiffness: f32,
     /// The hand never pulls harder than this, N; 0 to 1,000,000. Default 20.
@@ -50,13 +54,24 @@ impl Default for ClothPicking {
     fn default() -> Self {
         Self {
             enabled: true,
-            button: Some(PointerButton::Primary),
-            cut_button: Some(PointerButton::Secondary),
-            tool_button: Some(PointerButton::Middle),
-            tool: FireTool::Match,
+            primary: Some(ClothTool::Grab),
+            secondary: Some(ClothTool::Cut),
+            middle: Some(ClothTool::Match),
             stiffness: 200.0,
             max_force: 20.0,
         }
+    }
+}
+
+impl ClothPicking {
+    /// The tool of a button; `None` if it has none, or while picking is not enabled.
+    pub fn tool(&self, button: PointerButton) -> Option<ClothTool> {
+        let tool = match button {
+            PointerButton::Primary => self.primary,
+            PointerButton::Secondary => self.secondary,
+            PointerButton::Middle => self.middle,
+        };
+        tool.filter(|_| self.enabled)
     }
 }
 
@@ -115,6 +130,7 @@ pub(crate) fn plugin(app: &mut App) {
         .init_resource::<hand::Hands>()
         .init_resource::<blade::Strokes>()
         .add_observer(hand::grab)
+        .add_observer(pin::pin)
         .init_resource::<fire::ToolsInUse>()
         .add_observer(fire::take_up)
         .add_systems(

@@ -10,6 +10,7 @@ use super::select::select;
 use super::source::Skin;
 use super::{Follow, placed, relative};
 use crate::cloth::ClothFrame;
+use crate::particle_pins::{ParticlePin, ParticlePins};
 use crate::pins::{PinTarget, Pins};
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
@@ -40,7 +41,13 @@ enum Anchor {
 /// What the frames of a cloth's pins follow, in the order of [`SolverPins::frames`].
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct Anchors(Vec<Anchor>);
+pub(crate) struct Anchors {
+    all: Vec<Anchor>,
+    /// How many of them are those of [`Pins`]; the others are those of [`ParticlePins`].
+    authored: usize,
+    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    pins: Vec<Pin>,
+}
 
 /// Whether `error` says that a pin's entity is not there (yet).
 pub(crate) fn waits_for_entity(error: &ClothError) -> bool {
@@ -60,24 +67,11 @@ pub(crate) fn make(
     let mut anchors = Anchors::default();
     let mut taken = vec![false; topology.slots()];
     for group in &pins.0 {
-        let mut anchor = match group.to {
-            PinTarget::Cloth => Anchor::Cloth,
-            PinTarget::World => Anchor::World(frame.pose),
-            PinTarget::Entity(entity) => {
-                let placement = placements.get(entity).filter(|placement| placement.pose.is_finite());
-                let placement = placement.ok_or(ClothError::OutOfRange {
-                    field: TARGET_ENTITY,
-                    value: entity.index_u32() as f32,
-                    allowed: "an entity with a finite `Transform`",
-                })?;
-                let (follow, home) = (Follow::new(placement.pose), relative(&placement.pose, &frame.pose));
-                Anchor::Entity { entity, follow, home }
-            }
-        };
-        let index = anchors.0.iter().position(|known| *known == anchor).unwrap_or_else(|| {
+        let mut anchor = Anchor::new(group.to, frame, placements)?;
+        let index = anchors.all.iter().position(|known| *known == anchor).unwrap_or_else(|| {
             made.frames.push(anchor.advance(frame));
-            anchors.0.push(anchor);
-            anchors.0.len() - 1
+            anchors.all.push(anchor);
+            anchors.all.len() - 1
         });
         for slot in select(&group.select, topology, skin)? {
             if std::mem::replace(&mut taken[slot as usize], true) {
@@ -90,10 +84,69 @@ pub(crate) fn make(
             made.pins.push(Pin { particle: slot, frame: index as u32, local });
         }
     }
+    anchors.authored = anchors.all.len();
+    anchors.pins.clone_from(&made.pins);
     Ok((made, anchors))
 }
 
+/// The pins in `made` that [`Pins`] makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
+/// earlier edits.
+pub(crate) fn edit(
+    made: &SolverPins,
+    anchors: &mut Anchors,
+    edits: Option<&ParticlePins>,
+    topology: &Topology,
+    mass: &[f32],
+    frame: &ClothFrame,
+    placements: &Placements,
+) -> Result<SolverPins, ClothError> {
+    edits.map_or(Ok(()), |edits| edits.validate(topology))?;
+    let (held, released) = edits.map_or((&[][..], &[][..]), |edits| (&edits.held, &edits.released));
+    let mut frames = made.frames[..anchors.authored].to_vec();
+    let mut added: Vec<Anchor> = Vec::new();
+    let mut pins: Vec<Pin> = Vec::new();
+    // What is burnt has no mass and cannot be held.
+    let is_there = |particle: u32| mass.get(particle as usize).is_some_and(|mass| *mass > 0.0);
+    for ParticlePin { particle, to, at } in held.iter().copied().filter(|pin| is_there(pin.particle)) {
+        if pins.iter().any(|pin| pin.particle == particle) {
+            continue;
+        }
+        let mut anchor = Anchor::new(to, frame, placements)?;
+        let index = added.iter().position(|known| *known == anchor).unwrap_or_else(|| {
+            frames.push(anchor.advance(frame));
+            added.push(anchor);
+            added.len() - 1
+        });
+        let local = if to == PinTarget::World { frame.pose.inverse_point(at) } else { at };
+        pins.push(Pin { particle, frame: (anchors.authored + index) as u32, local });
+    }
+    let is_free = |particle: u32| !released.contains(&particle) && pins.iter().all(|pin| pin.particle != particle);
+    let authored = anchors.pins.iter().filter(|pin| is_there(pin.particle) && is_free(pin.particle));
+    let pins = authored.copied().chain(pins.iter().copied()).collect();
+    anchors.all.truncate(anchors.authored);
+    anchors.all.extend(added);
+    Ok(SolverPins { frames, pins })
+}
+
 impl Anchor {
+    /// What follows `to` from now on.
+    fn new(to: PinTarget, frame: &ClothFrame, placements: &Placements) -> Result<Self, ClothError> {
+        Ok(match to {
+            PinTarget::Cloth => Self::Cloth,
+            PinTarget::World => Self::World(frame.pose),
+            PinTarget::Entity(entity) => {
+                let placement = placements.get(entity).filter(|placement| placement.pose.is_finite());
+                let placement = placement.ok_or(ClothError::OutOfRange {
+                    field: TARGET_ENTITY,
+                    value: entity.index_u32() as f32,
+                    allowed: "an entity with a finite `Transform`",
+                })?;
+                let (follow, home) = (Follow::new(placement.pose), relative(&placement.pose, &frame.pose));
+                Self::Entity { entity, follow, home }
+            }
+        })
+    }
+
     /// Where it stands, and where it is moved to.
     fn ends(&self, frame: &ClothFrame) -> [Pose; 2] {
         match self {
@@ -152,19 +205,19 @@ impl Anchors {
 
     /// Whether any of it is another entity.
     pub fn follow_entities(&self) -> bool {
-        self.0.iter().any(|anchor| matches!(anchor, Anchor::Entity { .. }))
+        self.all.iter().any(|anchor| matches!(anchor, Anchor::Entity { .. }))
     }
 
     /// Whether an entity that pins hang on is elsewhere than at the end of the last tick.
     pub fn have_moved(&self, placements: &Placements) -> bool {
-        self.0.iter().any(|anchor| {
+        self.all.iter().any(|anchor| {
             let Anchor::Entity { entity, follow, .. } = anchor else { return false };
             placements.get(*entity).is_some_and(|placement| placement.pose.is_finite() && placement.pose != follow.pose)
         })
     }
 
     fn see(&mut self, placements: &Placements, see: impl Fn(&mut Follow, Pose)) {
-        for anchor in &mut self.0 {
+        for anchor in &mut self.all {
             if let Anchor::Entity { entity, follow, .. } = anchor {
                 let now = placements.get(*entity).map(|placement| placement.pose).filter(Pose::is_finite);
                 see(follow, now.unwrap_or(follow.target));
@@ -179,7 +232,7 @@ impl Anchors {
         if pins.is_empty() {
             return own.then_some(frame.follow.target);
         }
-        if !self.0.iter().any(|anchor| anchor.jumps(frame, limits))
+        if !self.all.iter().any(|anchor| anchor.jumps(frame, limits))
             || self.holding(pins).any(|(anchor, _)| !anchor.jumps(frame, limits))
         {
             return None;
@@ -196,7 +249,7 @@ impl Anchors {
 
     /// Takes what jumps along with the cloth, whose frame goes from `from` to `to`.
     pub fn carry(&mut self, from: &Pose, to: &Pose, limits: &Teleport) {
-        for anchor in &mut self.0 {
+        for anchor in &mut self.all {
             if let Anchor::Entity { follow, .. } = anchor
                 && follow.jumps(limits)
             {
@@ -205,25 +258,42 @@ impl Anchors {
         }
     }
 
+    /// Puts everything that pins follow to where it stands now, at rest.
+    pub fn stand_still(&mut self, frame: &ClothFrame, frames: &mut [Motion], placements: &Placements) {
+        for (anchor, motion) in self.all.iter_mut().zip(frames) {
+            if let Anchor::Entity { entity, follow, .. } = anchor {
+                let now = placements.get(*entity).map(|placement| placement.pose).filter(Pose::is_finite);
+                *follow = Follow::new(now.unwrap_or(follow.target));
+            }
+            *motion = Motion::at_rest(anchor.advance(frame).to);
+        }
+    }
+
     /// Moves the frames of the pins over this tick.
     pub fn advance(&mut self, frame: &ClothFrame, frames: &mut [Motion]) {
-        for (anchor, motion) in self.0.iter_mut().zip(frames) {
+        for (anchor, motion) in self.all.iter_mut().zip(frames) {
             *motion = anchor.advance(frame);
         }
     }
 
-    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where pins on other things hold it.
-    pub fn home(&self, frame: &ClothFrame, pins: &[Pin]) -> Pose {
-        if self.holding(pins).any(|(anchor, _)| *anchor == Anchor::Cloth) {
+    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    pub fn authored(&self) -> &[Pin] {
+        &self.pins
+    }
+
+    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where the pins of [`Pins`] on other things
+    /// hold it.
+    pub fn home(&self, frame: &ClothFrame) -> Pose {
+        if self.holding(&self.pins).any(|(anchor, _)| *anchor == Anchor::Cloth) {
             return Pose::IDENTITY;
         }
-        mean(self.holding(pins).map(|(anchor, count)| (anchor.home(frame), count))).unwrap_or(Pose::IDENTITY)
+        mean(self.holding(&self.pins).map(|(anchor, count)| (anchor.home(frame), count))).unwrap_or(Pose::IDENTITY)
     }
 
     /// Each that has pins, and how many.
     fn holding(&self, pins: &[Pin]) -> impl Iterator<Item = (&Anchor, f32)> + Clone {
         let count = |index| pins.iter().filter(|pin| pin.frame as usize == index).count() as f32;
-        self.0.iter().enumerate().map(move |(index, anchor)| (anchor, count(index))).filter(|(_, count)| *count > 0.0)
+        self.all.iter().enumerate().map(move |(index, anchor)| (anchor, count(index))).filter(|(_, count)| *count > 0.0)
     }
 }
 

@@ -12,6 +12,7 @@ use super::{DrawnMesh, anchors};
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::damage::{Flammable, Tearable};
+use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Substeps};
 use crate::sleep::{ClothAsleep, ClothSleep, WakeCause};
@@ -32,6 +33,7 @@ pub(crate) struct Authored {
     scale: Vec3,
     fabric: Option<Fabric>,
     pins: Option<Pins>,
+    particle_pins: Option<ParticlePins>,
     weights: Option<Weights>,
     gravity: Option<Gravity>,
     substeps: Option<Substeps>,
@@ -66,6 +68,7 @@ pub(crate) struct Faults {
     pub source: Option<ClothError>,
     pub fabric: Option<ClothError>,
     pub pins: Option<ClothError>,
+    pub particle_pins: Option<ClothError>,
     pub weights: Option<ClothError>,
     pub settings: Option<ClothError>,
     pub grabs: Option<ClothError>,
@@ -80,7 +83,7 @@ impl Authored {
 
 impl Faults {
     pub fn first(&self) -> Option<&ClothError> {
-        [&self.source, &self.fabric, &self.pins, &self.weights, &self.settings, &self.grabs]
+        [&self.source, &self.fabric, &self.pins, &self.particle_pins, &self.weights, &self.settings, &self.grabs]
             .into_iter()
             .flatten()
             .next()
@@ -93,6 +96,7 @@ pub(crate) struct Changes {
     pub shape: bool,
     pub fabric: bool,
     pub pins: bool,
+    pub particle_pins: bool,
     pub weights: bool,
     pub settings: bool,
     pub self_contact: bool,
@@ -109,6 +113,7 @@ pub(crate) struct Wanted {
     cloth: Ref<'static, Cloth>,
     fabric: Option<Ref<'static, Fabric>>,
     pins: Option<Ref<'static, Pins>>,
+    particle_pins: Option<Ref<'static, ParticlePins>>,
     weights: Option<Ref<'static, Weights>>,
     gravity: Option<Ref<'static, Gravity>>,
     substeps: Option<Ref<'static, Substeps>>,
@@ -164,6 +169,10 @@ impl WantedItem<'_, '_> {
 
     pub fn pins(&self) -> Option<&Pins> {
         self.pins.as_deref()
+    }
+
+    pub fn particle_pins(&self) -> Option<&ParticlePins> {
+        self.particle_pins.as_deref()
     }
 
     pub fn weights(&self) -> Option<&Weights> {
@@ -231,6 +240,8 @@ impl WantedItem<'_, '_> {
                 || differs_in_scale(scale, seen.scale),
             fabric: differs(&self.fabric, &seen.fabric),
             pins: differs(&self.pins, &seen.pins) || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
+            particle_pins: differs(&self.particle_pins, &seen.particle_pins)
+                || seen.faults.particle_pins.as_ref().is_some_and(anchors::waits_for_entity),
             weights: differs(&self.weights, &seen.weights),
             settings: first
                 || differs(&self.gravity, &seen.gravity)
@@ -270,6 +281,9 @@ impl WantedItem<'_, '_> {
         }
         if changes.pins {
             seen.pins = self.pins.as_deref().cloned();
+        }
+        if changes.particle_pins {
+            seen.particle_pins = self.particle_pins.as_deref().cloned();
         }
         if changes.weights {
             seen.weights = self.weights.as_deref().cloned();

@@ -23,6 +23,7 @@ use crate::air::Wind;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces, Flammable, TearState, Tearable};
 use crate::events::ClothRejected;
+use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Substeps};
@@ -62,7 +63,7 @@ type Touched = (
         Without<ClothAsleep>,
         Or<(Changed<Cloth>, Changed<Fabric>, Changed<Pins>, Changed<Weights>, Changed<Transform>, Changed<Mesh3d>)>,
         Or<(Changed<Gravity>, Changed<Substeps>, Changed<Method>, Changed<Teleport>, Changed<ClothSleep>)>,
-        Changed<SelfContact>,
+        Or<(Changed<SelfContact>, Changed<ParticlePins>)>,
         Or<(Changed<Grabs>, Changed<Tearable>, Changed<Flammable>, Changed<Air>, Changed<Wind>, Changed<Gusts>)>,
     )>,
 );
@@ -113,6 +114,10 @@ pub(crate) fn build(
             }
             if changes.pins {
                 wanted.authored.faults.pins = running.change_pins(&wanted, &around.placements).err();
+            }
+            if changes.pins || changes.particle_pins {
+                let edits = wanted.particle_pins();
+                wanted.authored.faults.particle_pins = running.edit_pins(edits, &around.placements).err();
             }
         }
         if changes.grabs {
@@ -168,7 +173,7 @@ impl WantedItem<'_, '_> {
             Ok((topology, skin)) => {
                 let (topology, skin) = (ClothTopology(Arc::new(topology)), ClothSkin(Arc::new(skin)));
                 let whole = topology.0.clone();
-                match self.assemble(topology, skin, placement, &around.placements) {
+                match self.assemble(topology, skin, placement, &around.placements, renew) {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
                         self.authored.stale = false;
@@ -176,7 +181,8 @@ impl WantedItem<'_, '_> {
                         entity.try_insert(state);
                         if renew {
                             // What was held, torn or burnt is no more.
-                            entity.try_remove::<(Grabs, ClothPieces, TearState, ClothFire, SelfContacts)>();
+                            entity
+                                .try_remove::<(Grabs, ParticlePins, ClothPieces, TearState, ClothFire, SelfContacts)>();
                         }
                         self.renew_self_contacts(&whole, commands);
                     }
@@ -192,6 +198,7 @@ impl WantedItem<'_, '_> {
         skin: ClothSkin,
         placement: Placement,
         placements: &Placements,
+        renew: bool,
     ) -> Result<impl Bundle + use<>, ClothError> {
         let fabric = self.fabric();
         let pose = placement.pose;
@@ -219,6 +226,14 @@ impl WantedItem<'_, '_> {
                 Ok(made) => anchors = made,
                 Err(error) => self.authored.faults.pins = Some(error),
             }
+        }
+        self.authored.faults.particle_pins = None;
+        // Those of a cloth that is rebuilt name particles that are no more, and are removed.
+        if let Some(edits) = self.particle_pins().filter(|_| !renew) {
+            let (pins, mass) = (constraints.pins(), &particles.mass);
+            let edited = anchors::edit(pins, &mut anchors, Some(edits), &topology, mass, &frame, placements);
+            let held = edited.and_then(|pins| constraints.set_pins(&mut particles, pins));
+            self.authored.faults.particle_pins = held.err();
         }
         let plan = (StepPlan::default(), Rest::default());
         Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, plan))
@@ -302,6 +317,20 @@ impl RunningItem<'_, '_> {
             Err(error) => (SolverPins::default(), Anchors::default(), Err(error)),
         };
         *self.anchors = anchors;
+        self.constraints.set_pins(&mut self.particles, pins)?;
+        result
+    }
+
+    /// Other pins on single particles. If they are refused there are only those of `Pins`.
+    fn edit_pins(&mut self, edits: Option<&ParticlePins>, placements: &Placements) -> Result<(), ClothError> {
+        let mut edit = |edits| {
+            let (pins, mass) = (self.constraints.pins(), &self.particles.mass);
+            anchors::edit(pins, &mut self.anchors, edits, &self.topology.0, mass, self.frame, placements)
+        };
+        let (pins, result) = match edit(edits) {
+            Ok(pins) => (pins, Ok(())),
+            Err(error) => (edit(None)?, Err(error)),
+        };
         self.constraints.set_pins(&mut self.particles, pins)?;
         result
     }

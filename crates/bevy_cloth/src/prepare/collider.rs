@@ -122,20 +122,14 @@ pub(crate) fn build(
 }
 
 impl ColliderState {
+    /// The shape that cloth meets, in the collider's own frame.
+    pub fn shape(&self) -> Option<&Shape> {
+        self.shape.as_ref()
+    }
+
     fn check_friction(&self) -> Result<(), ClothError> {
         let friction = self.friction.map_or(0.0, |friction| friction.0);
         ClothError::check("ColliderFriction", friction, 0.0..=10.0, "0..=10")
-    }
-}
-
-impl ClothCollider {
-    /// Its shape in its own frame with its entity's scale taken in: for those that ask how far they are from it, as a body that
-    /// bounces off it does.
-    ///
-    /// # Errors
-    /// The field that is out of its range, with value and range; of a [`ClothCollider::Mesh`], whose shape is that of its entity's mesh.
-    pub fn shape(&self, scale: Vec3) -> Result<Shape, ClothError> {
-        shape(self, scale, None)
     }
 }
 

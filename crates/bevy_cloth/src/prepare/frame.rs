@@ -3,17 +3,19 @@
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
-use cloth_solver::constraint::Grab as SolverGrab;
+use cloth_solver::constraint::{Grab as SolverGrab, Pin};
 use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::tick::{Effort, Pace};
-use cloth_solver::{Fabric, Method, Particles, Pose, Soa3, Substep, Tick};
+use cloth_solver::{Fabric, Method, Motion, Particles, Pose, Soa3, Substep, Tick};
 
 use super::placement::{Placement, Placements};
 use super::{Anchors, Authored, Follow};
+use crate::clock::ClothClock;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces};
 use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
+use crate::particle_pins::ParticlePins;
 use crate::report::report;
 use crate::settings::{Grab, Grabs, Gravity, Shared, Substeps};
 use crate::sleep::{ClothAsleep, WakeCause, wake_up};
@@ -125,6 +127,27 @@ impl StepPlan {
     }
 }
 
+/// Whether something was moved that a cloth hangs on. In a pause it is carried along as by a hand.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct MovedInPause(pub bool);
+
+/// Keeps [`MovedInPause`].
+pub(crate) fn look_in_pause(
+    cloths: Query<(Entity, &ClothFrame, &Anchors), Without<ClothRejection>>,
+    placements: Placements,
+    clock: Res<Time<ClothClock>>,
+    mut moved: ResMut<MovedInPause>,
+) {
+    let stands = clock.context().stands();
+    moved.0 = stands && cloths.iter().any(|(entity, frame, anchors)| has_moved(entity, frame, anchors, &placements));
+}
+
+/// Whether the entity of a cloth, or one that its pins hang on, is elsewhere than in the last tick.
+fn has_moved(entity: Entity, frame: &ClothFrame, anchors: &Anchors, placements: &Placements) -> bool {
+    let now = placements.get(entity).filter(Placement::is_finite);
+    now.is_some_and(|now| now.pose != frame.pose) || anchors.have_moved(placements)
+}
+
 /// The runtime state of one cloth that takes part in this tick.
 #[derive(QueryData)]
 #[query_data(mutable)]
@@ -160,7 +183,7 @@ pub(crate) fn advance(
     }
     for mut cloth in &mut cloths {
         let held = cloth.grabs.is_some_and(|grabs| !grabs.0.is_empty());
-        if tick.still && !held {
+        if tick.still && !held && !has_moved(cloth.entity, &cloth.frame, &cloth.anchors, &placements) {
             cloth.plan.substeps = 0;
             continue;
         }
@@ -230,8 +253,8 @@ impl TickingItem<'_, '_> {
         for motion in constraints.pin_frames_mut() {
             motion.from = motion.to;
         }
-        let place = anchors.home(frame, &constraints.pins().pins);
-        reset(particles, history, &topology.rest, constraints, &place);
+        let place = anchors.home(frame);
+        reset(particles, history, &topology.rest, &constraints.pins().frames, &constraints.pins().pins, &place);
     }
 
     /// Goes on with `method` in the shape and at the speed it has.
@@ -293,20 +316,20 @@ pub(crate) fn weigh(
     }
 }
 
-/// Puts a cloth back to its rest pose at `place`, pinned particles to where their pins are.
+/// Puts a cloth back to its rest pose at `place`, the particles of `pins` to where those are.
 fn reset(
     particles: &mut Particles,
     history: &mut ClothHistory,
     rest: &[Vec3],
-    constraints: &Constraints,
+    frames: &[Motion],
+    pins: &[Pin],
     place: &Pose,
 ) {
     for (slot, rest) in rest.iter().enumerate() {
         particles.position.set(slot, place.point(*rest));
     }
-    let pins = constraints.pins();
-    for pin in &pins.pins {
-        if let Some(motion) = pins.frames.get(pin.frame as usize) {
+    for pin in pins {
+        if let Some(motion) = frames.get(pin.frame as usize) {
             particles.position.set(pin.particle as usize, motion.to.point(pin.local));
         }
     }
@@ -322,10 +345,10 @@ pub(crate) struct Resettable {
     particles: &'static mut Particles,
     history: &'static mut ClothHistory,
     contacts: &'static mut Contacts,
-    constraints: &'static Constraints,
+    constraints: &'static mut Constraints,
     topology: &'static ClothTopology,
-    frame: &'static ClothFrame,
-    anchors: &'static Anchors,
+    frame: &'static mut ClothFrame,
+    anchors: &'static mut Anchors,
     authored: &'static mut Authored,
     own: Option<&'static mut SelfContacts>,
     is_damaged: Has<ClothPieces>,
@@ -333,10 +356,22 @@ pub(crate) struct Resettable {
 }
 
 /// Answers [`ResetCloth`]. A cloth that was taken apart is built anew.
-pub(crate) fn on_reset(asked: On<ResetCloth>, mut cloths: Query<Resettable>, mut commands: Commands) {
+pub(crate) fn on_reset(
+    asked: On<ResetCloth>,
+    mut cloths: Query<Resettable>,
+    placements: Placements,
+    mut commands: Commands,
+) {
     if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
-        let place = cloth.anchors.home(cloth.frame, &cloth.constraints.pins().pins);
-        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, cloth.constraints, &place);
+        if let Some(placement) = placements.get(asked.entity).filter(Placement::is_finite) {
+            let pose = placement.pose;
+            (cloth.frame.pose, cloth.frame.before, cloth.frame.follow) = (pose, pose, Follow::new(pose));
+        }
+        cloth.anchors.stand_still(&cloth.frame, cloth.constraints.pin_frames_mut(), &placements);
+        let place = cloth.anchors.home(&cloth.frame);
+        let (frames, pins) = (&cloth.constraints.pins().frames, cloth.anchors.authored());
+        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, frames, pins, &place);
+        commands.entity(asked.entity).try_remove::<ParticlePins>();
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
         if let Some(own) = &mut cloth.own {
             own.reset(cloth.topology);

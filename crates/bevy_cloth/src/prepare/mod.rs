@@ -28,7 +28,7 @@ pub(crate) use anchors::Anchors;
 pub(crate) use authored::{Authored, differs_in_scale};
 pub(crate) use collider::{ColliderState, Colliders};
 pub(crate) use follow::Follow;
-pub(crate) use frame::StepPlan;
+pub(crate) use frame::{MovedInPause, StepPlan};
 pub(crate) use placement::{Placement, Placements};
 pub(crate) use select::select;
 pub(crate) use source::Skin;
@@ -77,13 +77,14 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
     let winds = (wind_source::build::<Fan>, wind_source::build::<WindZone>);
     app.init_resource::<WindSources>()
         .init_resource::<Colliders>()
+        .init_resource::<MovedInPause>()
         .init_resource::<air::SharedWind>()
         .init_schedule(BuildSchedule)
         .edit_schedule(BuildSchedule, |schedule| {
             // Handing a comparison to another thread costs many times what it takes.
             schedule.set_executor(SingleThreadedExecutor::new());
         })
-        .add_systems(BuildSchedule, ((build::build, air::build).chain(), collider::build, winds))
+        .add_systems(BuildSchedule, ((build::build, air::build).chain(), collider::build, winds, frame::look_in_pause))
         .add_systems(schedule, run_build.in_set(ClothSystems::Build))
         .add_systems(
             ClothSchedule,

@@ -12,6 +12,7 @@ use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopolog
 use crate::collider::ClothCollider;
 use crate::contact::Touching;
 use crate::damage::{ClothFire, ClothPieces, TearState};
+use crate::particle_pins::ParticlePins;
 use crate::self_contact::Tangled;
 use crate::settings::Grabs;
 use crate::sleep::ClothAsleep;
@@ -19,7 +20,7 @@ use crate::weights::Loads;
 
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
-    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs),
+    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs, ParticlePins),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
     (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled),
 );

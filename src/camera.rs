@@ -4,7 +4,7 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, RenderTarget, ShadowLodOrigin, Viewport};
 use bevy::gizmos::transform_gizmo::TransformGizmoCamera;
 use bevy::prelude::*;
-use bevy_cloth_inspector::PanelWidth;
+use bevy_cloth_inspector::{CameraTarget, PanelWidth};
 use bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 
@@ -33,7 +33,7 @@ impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(PanOrbitCameraPlugin)
             .add_systems(PostStartup, spawn_cameras)
-            .add_systems(Update, leave_room_for_panel);
+            .add_systems(Update, (leave_room_for_panel, share_target));
         app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
     }
 }
@@ -65,6 +65,7 @@ fn spawn_cameras(
             use_real_time: true,
             ..default()
         },
+        CameraTarget(to),
         look::atmosphere(&mut images),
     ));
     commands.spawn((
@@ -75,6 +76,19 @@ fn spawn_cameras(
         RenderLayers::none(),
         Camera { order: PANELS_ORDER, clear_color: ClearColorConfig::None, ..default() },
     ));
+}
+
+/// The inspector shows what the camera looks at; where the user changes that or the camera's place, the camera orbits on from there.
+fn share_target(mut cameras: Query<(&mut PanOrbitCamera, &mut CameraTarget)>) {
+    for (mut orbit, mut target) in &mut cameras {
+        if target.is_changed() && !target.is_added() {
+            orbit.focus = target.0;
+            (orbit.yaw, orbit.pitch, orbit.radius) = (None, None, None);
+            orbit.initialized = false;
+        } else if target.0 != orbit.focus {
+            target.bypass_change_detection().0 = orbit.focus;
+        }
+    }
 }
 
 /// The scene is drawn beside the inspector, not behind it.

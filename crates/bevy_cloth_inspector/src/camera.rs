@@ -71,7 +71,8 @@ fn place(ui: &mut egui::Ui, world: &mut World, entity: Entity) {
     let (mut from, mut to) = (transform.translation, target);
     let row = Value::new("position", "Where the camera is, along x, y and z.", Unit::METRES, -1e6..=1e6);
     row.show_vec3(ui, &mut from, None);
-    let row = Value::new("target", "The point in the middle of the picture, along x, y and z.", Unit::METRES, -1e6..=1e6);
+    let row =
+        Value::new("target", "The point in the middle of the picture, along x, y and z.", Unit::METRES, -1e6..=1e6);
     row.show_vec3(ui, &mut to, None);
     if (from, to) == (transform.translation, target) || from.distance_squared(to) < 1e-6 {
         return;

@@ -59,9 +59,9 @@ pub fn save(
     }
     *due = None;
     let text = ron::ser::to_string_pretty(&*layout, ron::ser::PrettyConfig::default());
-    let written = text.map_err(|error| error.to_string()).and_then(|text| {
-        std::fs::write(&file.0, text).map_err(|error| error.to_string())
-    });
+    let written = text
+        .map_err(|error| error.to_string())
+        .and_then(|text| std::fs::write(&file.0, text).map_err(|error| error.to_string()));
     if let Err(error) = written {
         warn!("cannot write {}: {error}", file.0.display());
     }

@@ -41,10 +41,12 @@
 //! | `object` | shape, size, place and rotation of the selected object |
 //! | `material` | its colour, roughness, metal, reflectance |
 //! | `camera`, `light` | the main camera, the directional lights |
+//! | `advice`, `tried` | what could be left out of the cloth, and a way to try it |
 //! | `statistics`, `history` | particles, strain, frame rate, time of each phase; curves of strain and energy |
 //! | `outline` | lines around the selected object |
 //! | `silhouette` | where a mesh ends for the eye |
 
+mod advice;
 mod air;
 mod camera;
 mod cloth;
@@ -65,6 +67,7 @@ mod sections;
 mod self_contact;
 mod silhouette;
 mod statistics;
+mod tried;
 #[cfg(test)]
 mod walk;
 pub mod widgets;
@@ -135,6 +138,7 @@ fn init_resources(world: &mut World) {
     world.init_resource::<InspectorSections>();
     world.init_resource::<object::Refusals>();
     world.init_resource::<statistics::Measured>();
+    world.init_resource::<advice::Adviser>();
     world.init_resource::<history::History>();
 }
 

@@ -40,7 +40,8 @@ struct Look {
 
 impl Look {
     fn of(material: &StandardMaterial) -> Self {
-        let StandardMaterial { base_color: color, perceptual_roughness: roughness, metallic, reflectance, .. } = *material;
+        let StandardMaterial { base_color: color, perceptual_roughness: roughness, metallic, reflectance, .. } =
+            *material;
         Self { color, roughness, metallic, reflectance }
     }
 

@@ -7,8 +7,8 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 use crate::layout::InspectorLayout;
 use crate::sections::InspectorSections;
 use crate::{
-    InspectorOpen, PanelWidth, Selected, air, camera, cloth, contact, contact_view, damage, fabric, fire, light,
-    material, motion, object, self_contact, statistics, world,
+    InspectorOpen, PanelWidth, Selected, advice, air, camera, cloth, contact, contact_view, damage, fabric, fire,
+    light, material, motion, object, self_contact, statistics, world,
 };
 
 /// The panel takes no more than this part of the window.
@@ -25,6 +25,7 @@ pub fn show(world: &mut World) {
         Some(context) => draw(context, world),
         None => {
             statistics::stop(world);
+            advice::stop(world);
             0.0
         }
     };
@@ -113,6 +114,12 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
         section(ui, world, "Camera", false, |ui, world| camera::show(ui, world, entity));
     }
     section(ui, world, "Light", false, light::show);
+    let advised = cloth.is_some_and(|entity| {
+        section(ui, world, "What could be left out", false, |ui, world| advice::show(ui, world, entity))
+    });
+    if !advised {
+        advice::stop(world);
+    }
     if !section(ui, world, "Statistics", false, |ui, world| statistics::show(ui, world, cloth)) {
         statistics::stop(world);
     }

@@ -8,7 +8,9 @@ const LABEL: f32 = 0.40;
 /// Width of a label, logical pixels: at least and at most.
 const LABEL_WIDTHS: [f32; 2] = [84.0, 150.0];
 /// Room for the reset button, logical pixels.
-const RESET: f32 = 20.0;
+const RESET: f32 = 16.0;
+/// Between label, value and button, logical pixels.
+const GAP: f32 = 4.0;
 
 /// What a row says of its value.
 pub(super) struct Row<'a> {
@@ -36,14 +38,21 @@ impl Row<'_> {
         let unit = self.unit.filter(|unit| names_unit && !unit.is_empty());
         if below {
             self.name(ui, ui.available_width(), unit);
-            return ui.horizontal(|ui| contents(ui, ui.available_width() - RESET)).inner;
+            return ui.horizontal(|ui| self.value(ui, contents)).inner;
         }
         ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = GAP;
             let [least, most] = LABEL_WIDTHS;
             self.name(ui, (LABEL * ui.available_width()).clamp(least, most), unit);
-            contents(ui, ui.available_width() - RESET)
+            self.value(ui, contents)
         })
         .inner
+    }
+
+    /// The value, with room for the reset button behind it.
+    fn value<R>(&self, ui: &mut egui::Ui, contents: impl FnOnce(&mut egui::Ui, f32) -> R) -> R {
+        ui.spacing_mut().item_spacing.x = GAP;
+        contents(ui, ui.available_width() - RESET - GAP)
     }
 
     fn name(&self, ui: &mut egui::Ui, width: f32, unit: Option<&str>) {
@@ -67,8 +76,7 @@ impl Row<'_> {
 
 /// A button that brings a default back, or the room for it where there is nothing to bring back.
 pub(super) fn reset(ui: &mut egui::Ui, differs: bool) -> bool {
-    let size = egui::vec2(RESET - 4.0, ui.spacing().interact_size.y);
-    ui.spacing_mut().item_spacing.x = 4.0;
+    let size = egui::vec2(RESET, ui.spacing().interact_size.y);
     if !differs {
         return false;
     }

@@ -100,7 +100,10 @@ impl Value {
     pub fn show_count(&self, ui: &mut egui::Ui, value: &mut u32, default: impl Into<Option<u32>>) -> bool {
         self.row(ui, default.into(), |ui, width| {
             let mut shown = f64::from(*value);
-            let drag = self.drag(&mut shown, self.suffix()).fixed_decimals(0).custom_formatter(|value, _| format!("{value:.0}"));
+            let drag = self
+                .drag(&mut shown, self.suffix())
+                .fixed_decimals(0)
+                .custom_formatter(|value, _| format!("{value:.0}"));
             let drag = drag.range(0.0..=f64::from(u32::MAX)).clamp_existing_to_range(false);
             if self.add(ui, drag, width, f64::from(*value)).changed() {
                 *value = shown.round() as u32;
@@ -112,10 +115,14 @@ impl Value {
     }
 
     /// Several numbers side by side, below their label where there is no room beside it.
-    fn numbers<const N: usize>(&self, ui: &mut egui::Ui, value: &mut [f32; N], default: Option<[f32; N]>) -> Option<[f32; N]> {
+    fn numbers<const N: usize>(
+        &self,
+        ui: &mut egui::Ui,
+        value: &mut [f32; N],
+        default: Option<[f32; N]>,
+    ) -> Option<[f32; N]> {
         self.row_of(ui, ui.available_width() < ROOM_FOR_THREE, default, |ui, width| {
-            let gap = 3.0;
-            ui.spacing_mut().item_spacing.x = gap;
+            let gap = ui.spacing().item_spacing.x;
             let each = (width - gap * (N - 1) as f32) / N as f32;
             value.iter_mut().for_each(|value| self.field(ui, value, each, String::new()));
             *value
@@ -141,11 +148,17 @@ impl Value {
     ) -> Option<T> {
         let several = below || std::mem::size_of::<T>() > std::mem::size_of::<u32>();
         let hint = self.hint_text();
-        Row { label: self.label, hint: self.hint, more: &hint, unit: Some(self.unit.name), has_default: default.is_some() }
-            .show(ui, below, several, |ui, width| {
-                let now = contents(ui, width);
-                reset(ui, default.is_some_and(|default| default != now)).then_some(default).flatten()
-            })
+        Row {
+            label: self.label,
+            hint: self.hint,
+            more: &hint,
+            unit: Some(self.unit.name),
+            has_default: default.is_some(),
+        }
+        .show(ui, below, several, |ui, width| {
+            let now = contents(ui, width);
+            reset(ui, default.is_some_and(|default| default != now)).then_some(default).flatten()
+        })
     }
 
     /// One number, `width` logical pixels wide.
@@ -195,7 +208,11 @@ impl Value {
     /// Change for each pixel of a drag, in the unit shown.
     fn speed(&self, shown: f64) -> f64 {
         let [start, end] = [*self.range.start(), *self.range.end()].map(|bound| bound * self.unit.factor);
-        if self.is_logarithmic() { (shown.abs() * LOGARITHMIC).max(self.unit.finest) } else { ((end - start) * LINEAR).min(10.0 * self.unit.finest) }
+        if self.is_logarithmic() {
+            (shown.abs() * LOGARITHMIC).max(self.unit.finest)
+        } else {
+            ((end - start) * LINEAR).min(10.0 * self.unit.finest)
+        }
     }
 
     /// Whether the range spans decades.

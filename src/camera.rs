@@ -4,7 +4,7 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Hdr, RenderTarget, ShadowLodOrigin, Viewport};
 use bevy::gizmos::transform_gizmo::TransformGizmoCamera;
 use bevy::prelude::*;
-use bevy_cloth_inspector::PanelWidth;
+use bevy_cloth_inspector::{CameraTarget, PanelWidth};
 use bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 
@@ -42,7 +42,10 @@ impl Plugin for CameraPlugin {
         app.add_plugins(PanOrbitCameraPlugin)
             .init_resource::<Viewpoint>()
             .add_systems(Startup, spawn_cameras)
-            .add_systems(Update, (leave_room_for_panel, look_from.run_if(resource_changed::<Viewpoint>)));
+            .add_systems(
+                Update,
+                (leave_room_for_panel, look_from.run_if(resource_changed::<Viewpoint>), share_target).chain(),
+            );
         app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
     }
 }
@@ -66,6 +69,7 @@ fn spawn_cameras(mut commands: Commands, canvas: Res<Canvas>) {
             use_real_time: true,
             ..default()
         },
+        CameraTarget::default(),
         look::eyes(),
     ));
     commands.spawn((
@@ -89,6 +93,19 @@ fn look_from(mut cameras: Query<(&mut Transform, &mut PanOrbitCamera, &mut Proje
         orbit.initialized = false;
         if let Projection::Perspective(lens) = &mut *projection {
             lens.fov = field.to_radians();
+        }
+    }
+}
+
+/// The inspector shows what the camera looks at; where the user changes that or the camera's place, the camera orbits on from there.
+fn share_target(mut cameras: Query<(&mut PanOrbitCamera, &mut CameraTarget)>) {
+    for (mut orbit, mut target) in &mut cameras {
+        if target.is_changed() && !target.is_added() {
+            orbit.focus = target.0;
+            (orbit.yaw, orbit.pitch, orbit.radius) = (None, None, None);
+            orbit.initialized = false;
+        } else if target.0 != orbit.focus {
+            target.bypass_change_detection().0 = orbit.focus;
         }
     }
 }

@@ -43,7 +43,7 @@ fn totals_add_up_over_all_clothes() {
 fn every_phase_is_timed_and_the_substep_holds_its_parts() {
     let app = measured();
     let time = |path| value(&app, &path);
-    for path in [Watch::PREPARE, Watch::FORCES, Watch::TEAR, Watch::BURN, Watch::WRITEBACK] {
+    for path in [Watch::PREPARE, Watch::FORCES, Watch::TEAR, Watch::BURN, Watch::WRITEBACK, Watch::DRAW] {
         assert!(time(path) >= 0.0);
     }
     let parts = time(Watch::INTEGRATE) + time(Watch::SOLVE) + time(Watch::COLLIDE);

@@ -76,7 +76,17 @@ fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 
 /// Hangs a curtain that is there on a new rod at `place`.
 pub fn hang(commands: &mut Commands, place: Transform, curtain: Entity) -> Entity {
-    commands.spawn((super::OfScene, CurtainRod, Name::new("rod"), crate::select::Selectable(0), place, Visibility::default())).add_child(curtain).id()
+    commands
+        .spawn((
+            super::OfScene,
+            CurtainRod,
+            Name::new("rod"),
+            crate::select::Selectable(0),
+            place,
+            Visibility::default(),
+        ))
+        .add_child(curtain)
+        .id()
 }
 
 /// Makes bar and rings anew for a curtain whose size or pins changed, and hangs it below the bar.

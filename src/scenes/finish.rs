@@ -2,7 +2,7 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use cloth_scene::{Finish, SceneLook};
+use cloth_scene::Finish;
 
 use super::setting::textures;
 
@@ -93,14 +93,6 @@ impl Finishes<'_> {
             Finish::Hidden => return None,
         };
         Some(MeshMaterial3d(self.materials.add(material)))
-    }
-
-    /// Gives a cloth its look.
-    pub fn dress(&mut self, commands: &mut Commands, cloth: Entity, look: SceneLook) {
-        let color = Color::srgb(look.color.x, look.color.y, look.color.z);
-        let material =
-            StandardMaterial { base_color: color, perceptual_roughness: 0.95, reflectance: 0.3, ..default() };
-        commands.entity(cloth).insert(MeshMaterial3d(self.materials.add(material)));
     }
 }
 

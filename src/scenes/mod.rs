@@ -18,6 +18,7 @@ use cloth_scene::Scene;
 use crate::camera::Viewpoint;
 use crate::cli::{Coloring, Options};
 use crate::look::View;
+use crate::tools::ReopenScene;
 pub use catalog::{Entry, MENU, SANDBOX, find, names, open};
 pub use curtain_rod::{DROP, Ring};
 pub use finish::paint;
@@ -62,6 +63,7 @@ impl Plugin for ScenesPlugin {
             .add_plugins((curtain_rod::CurtainRodPlugin, hardware::HardwarePlugin, moving::MovingPlugin))
             .add_plugins((finish::FinishPlugin, setting::SettingPlugin))
             .add_observer(open_scene)
+            .add_observer(reopen)
             .add_systems(Startup, move |mut commands: Commands| commands.trigger(OpenScene(first.clone())))
             .add_systems(Update, spawn::light);
         if self.options.paused {
@@ -102,4 +104,17 @@ fn open_scene(
             error!("the scene could not be spawned: {error}");
         }
     });
+}
+
+/// Opens the scene that is open anew, and forgets what was set while it was played.
+fn reopen(
+    _: On<ReopenScene>,
+    opened: Res<Opened>,
+    mut coloring: ResMut<Shared<ClothColoring>>,
+    mut clock: ResMut<Time<ClothClock>>,
+    mut commands: Commands,
+) {
+    coloring.0 = ClothColoring::default();
+    clock.unpause();
+    commands.trigger(OpenScene(opened.scene.clone()));
 }

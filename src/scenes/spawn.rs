@@ -8,9 +8,7 @@ use bevy_cloth::{
     Cloth, ClothCollider, ClothTopology, ColliderFriction, IgniteCloth, PinSelect, Pins, Substeps, Tearable, Weight,
     Weights,
 };
-use cloth_scene::{
-    Finish, Hardware, Scene, SceneCloth, SceneFan, ScenePins, SceneProp, SceneShape, SceneZone,
-};
+use cloth_scene::{Finish, Hardware, Scene, SceneCloth, SceneFan, ScenePins, SceneProp, SceneShape, SceneZone};
 
 use super::finish::{Finishes, SOLIDS};
 use super::hardware::Fitted;
@@ -37,7 +35,7 @@ pub fn spawn(
     for (index, cloth) in scene.cloths.iter().enumerate() {
         let (name, look) = (named(&cloth.name, "cloth", index), dress::look(cloth, index));
         let entity = spawn_cloth(&mut commands, &mut meshes, &scene, cloth, (name, next()));
-        finishes.dress(&mut commands, entity, look);
+        commands.entity(entity).insert(look);
     }
     for (index, collider) in scene.colliders.iter().enumerate() {
         let name = named(&collider.name, "collider", index);

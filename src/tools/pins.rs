@@ -5,7 +5,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy_cloth::{ParticlePins, PinTarget};
 
-use crate::scenes::glossy;
+use crate::scenes::paint;
 
 /// Radius of a pin's head, m.
 const HEAD: f32 = 0.013;
@@ -24,7 +24,7 @@ pub fn plugin(app: &mut App) {
 }
 
 fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
-    commands.insert_resource(Look(meshes.add(Sphere::new(HEAD)), materials.add(glossy(COLOR))));
+    commands.insert_resource(Look(meshes.add(Sphere::new(HEAD)), materials.add(paint(COLOR))));
 }
 
 /// Keeps a head at every particle that is pinned to the world.

@@ -55,6 +55,11 @@ impl Surroundings {
         self.field.is_below(limit, points)
     }
 
+    /// How the air moves.
+    pub fn field(&self) -> &WindField {
+        &self.field
+    }
+
     /// Velocity of the air at a point of the cloth's frame, m/s.
     pub fn wind_at(&self, point: Vec3) -> Vec3 {
         self.field.at(point)

@@ -39,6 +39,9 @@ impl ClothDiagnosticsPlugin {
     pub const BURN: DiagnosticPath = DiagnosticPath::const_new("cloth/burn_ms");
     /// Time in [`ClothSystems::Writeback`], ms per frame.
     pub const WRITEBACK: DiagnosticPath = DiagnosticPath::const_new("cloth/writeback_ms");
+    /// Time in [`ClothSystems::Draw`], ms per frame. Other systems of [`PostUpdate`] that run at the same time on the same threads
+    /// count, too.
+    pub const DRAW: DiagnosticPath = DiagnosticPath::const_new("cloth/draw_ms");
     /// Particles of all clothes.
     pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("cloth/particles");
     /// Constraints of all clothes, solved in each substep.
@@ -100,6 +103,9 @@ struct TickWatch(Stopwatch<{ TICK.len() }>);
 #[derive(Resource)]
 struct SubstepWatch(Stopwatch<{ SUBSTEP.len() }>);
 
+#[derive(Resource)]
+struct DrawWatch(Stopwatch<1>);
+
 /// Orders the laps of one schedule among themselves.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Lap(usize);
@@ -108,8 +114,19 @@ impl Plugin for ClothDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(TickWatch(Stopwatch::NEW))
             .insert_resource(SubstepWatch(Stopwatch::NEW))
+            .insert_resource(DrawWatch(Stopwatch::NEW))
+            .register_diagnostic(Diagnostic::new(Self::DRAW).with_suffix(" ms"))
             .add_systems(ClothSchedule, (|mut watch: ResMut<TickWatch>| watch.0.start()).before(TICK[0].0))
             .add_systems(ClothSubstepSchedule, (|mut watch: ResMut<SubstepWatch>| watch.0.start()).before(SUBSTEP[0].0))
+            .add_systems(
+                PostUpdate,
+                (
+                    (|mut watch: ResMut<DrawWatch>| watch.0.start())
+                        .after(TransformSystems::Propagate)
+                        .before(ClothSystems::Draw),
+                    (|mut watch: ResMut<DrawWatch>| watch.0.lap(0)).after(ClothSystems::Draw),
+                ),
+            )
             .add_systems(Last, tell);
         for (index, (phase, path)) in TICK.into_iter().enumerate() {
             app.register_diagnostic(Diagnostic::new(path.clone()).with_suffix(" ms"));
@@ -145,6 +162,7 @@ fn tell(
     mut diagnostics: Diagnostics,
     mut tick: ResMut<TickWatch>,
     mut substep: ResMut<SubstepWatch>,
+    mut draw: ResMut<DrawWatch>,
     cloths: Query<(&ClothTopology, &Particles, &Constraints, &Contacts)>,
     asleep: Query<(), With<ClothAsleep>>,
 ) {
@@ -154,6 +172,8 @@ fn tell(
             diagnostics.add_measurement(path, || seconds * 1000.0);
         }
     }
+    let [drawing] = draw.0.take();
+    diagnostics.add_measurement(&ClothDiagnosticsPlugin::DRAW, || drawing * 1000.0);
     let sum = |count: fn(&ClothTopology, &Constraints, &Contacts) -> usize| {
         cloths.iter().map(|(topology, _, constraints, contacts)| count(topology, constraints, contacts)).sum::<usize>()
     };

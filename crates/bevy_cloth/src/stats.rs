@@ -32,6 +32,8 @@ pub struct ClothStats {
     pub substeps: u32,
     /// Largest strain of the weave, dimensionless.
     pub largest_strain: f32,
+    /// Root mean square of the strains of all threads, stretched and compressed, dimensionless.
+    pub rms_strain: f32,
     /// Root mean square of the particles' speeds, weighed by mass, m/s.
     pub rms_speed: f32,
     /// Kinetic energy, J.
@@ -67,6 +69,7 @@ pub(crate) fn measure(
             self_contact_bounded: own.is_some_and(SelfContacts::is_bounded),
             substeps: plan.substeps,
             largest_strain: measure::largest_strain(topology, particles),
+            rms_strain: measure::rms_strain(topology, particles),
             rms_speed: measure::rms_speed(topology, particles),
             kinetic_energy: measure::kinetic_energy(particles),
             asleep,

@@ -4,50 +4,53 @@ use bevy::prelude::*;
 use bevy_cloth::{Cloth, ClothRejection, ClothSource, PinSelect, Pins, Resolution};
 use bevy_egui::egui;
 
-use crate::widgets::{self, Unit};
+use crate::widgets::{self, Unit, Value};
 
 /// Shows the shape of `entity`.
 pub fn show(ui: &mut egui::Ui, world: &mut World, entity: Entity) {
     if let Some(rejection) = world.get::<ClothRejection>(entity) {
         widgets::refusal(ui, &rejection.error().to_string());
     }
-    widgets::rows(ui, "cloth", |ui| {
-        widgets::edit(world, entity, |cloth: &mut Cloth| source(ui, &mut cloth.source));
-        widgets::edit(world, entity, |pins: &mut Pins| rods(ui, pins));
-    });
+    widgets::edit(world, entity, |cloth: &mut Cloth| source(ui, &mut cloth.source));
+    widgets::edit(world, entity, |pins: &mut Pins| rods(ui, pins));
 }
 
 fn source(ui: &mut egui::Ui, source: &mut ClothSource) {
     match source {
         ClothSource::Rectangle { size, resolution } => {
-            widgets::number_row(ui, "width", "Along the weft.", &mut size.x, Unit::METRES);
-            widgets::number_row(ui, "height", "Along the warp.", &mut size.y, Unit::METRES);
-            widgets::row(ui, "resolution", "How finely the cloth is divided.", |ui| {
-                ui.horizontal(|ui| resolve(ui, resolution, *size));
-            });
+            Value::new("width", "Width, along the weft.", Unit::METRES, 1e-4..=1e4).show(ui, &mut size.x, None);
+            Value::new("height", "Height, along the warp.", Unit::METRES, 1e-4..=1e4).show(ui, &mut size.y, None);
+            resolve(ui, resolution, *size);
         }
         ClothSource::Mesh => {
-            widgets::row(ui, "shape", "", |ui| ui.label("its own mesh"));
+            widgets::reading(ui, "shape", "Where the rest shape comes from.", "its own mesh");
         }
     }
 }
 
-/// Distance of neighbours or number of cells, whichever the cloth is told by.
+/// Distance of neighbours or number of cells, whichever the cloth is given by.
 fn resolve(ui: &mut egui::Ui, resolution: &mut Resolution, size: Vec2) {
+    let mut by_cells = matches!(resolution, Resolution::Cells(_));
+    let choices = [(false, "a distance"), (true, "cells")];
+    if widgets::choice(ui, "divided by", "How its resolution is given.", &mut by_cells, None, choices) {
+        *resolution = match *resolution {
+            Resolution::Spacing(spacing) if spacing > 0.0 => {
+                Resolution::Cells((size / spacing).round().max(Vec2::ONE).as_uvec2())
+            }
+            Resolution::Cells(cells) if cells.x > 0 => Resolution::Spacing(size.x / cells.x as f32),
+            same => same,
+        };
+    }
     match resolution {
         Resolution::Spacing(spacing) => {
-            widgets::number(ui, spacing, Unit::MILLIMETRES);
-            if ui.button("cells").on_hover_text("Tell the number of cells instead.").clicked() && *spacing > 0.0 {
-                *resolution = Resolution::Cells((size / *spacing).round().max(Vec2::ONE).as_uvec2());
-            }
+            let hint = "Distance between neighbouring particles; half of it takes four times the particles.";
+            Value::new("distance", hint, Unit::MILLIMETRES, 1e-6..=1e4).show(ui, spacing, Cloth::DEFAULT_SPACING);
         }
         Resolution::Cells(cells) => {
-            ui.add(egui::DragValue::new(&mut cells.x).speed(0.2));
-            ui.label("×");
-            ui.add(egui::DragValue::new(&mut cells.y).speed(0.2));
-            if ui.button("mm").on_hover_text("Tell the distance of neighbours instead.").clicked() && cells.x > 0 {
-                *resolution = Resolution::Spacing(size.x / cells.x as f32);
-            }
+            let across = Value::new("cells across", "Cells over the width.", Unit::NONE, 1.0..=4000.0);
+            across.show_count(ui, &mut cells.x, None);
+            let down = Value::new("cells down", "Cells over the height.", Unit::NONE, 1.0..=4000.0);
+            down.show_count(ui, &mut cells.y, None);
         }
     }
 }
@@ -58,12 +61,9 @@ fn rods(ui: &mut egui::Ui, pins: &mut Pins) {
         PinSelect::Rods(rods) => Some(rods),
         _ => None,
     });
-    widgets::row(ui, "rods", "Pins spread evenly along the top edge.", |ui| match rods {
-        Some(rods) => {
-            ui.add(egui::DragValue::new(rods).speed(0.05));
-        }
-        None => {
-            ui.label(format!("none; {groups} other groups of pins"));
-        }
-    });
+    let hint = "Pins spread evenly along the top edge.";
+    match rods {
+        Some(rods) => _ = Value::new("rods", hint, Unit::NONE, 0.0..=1e5).show_count(ui, rods, None),
+        None => widgets::reading(ui, "pins", "What holds the cloth.", format!("{groups} groups")),
+    }
 }

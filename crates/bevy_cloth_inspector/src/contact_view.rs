@@ -75,18 +75,12 @@ pub fn show(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
         ),
         ("crossings", "Red and orange: edges that pass through a triangle of the same cloth.", &mut view.crossings),
     ];
-    widgets::rows(ui, "contact view", |ui| {
-        for ((label, hint, on), count) in switches.into_iter().zip(counts) {
-            widgets::row(ui, label, hint, |ui| {
-                ui.horizontal(|ui| {
-                    ui.checkbox(on, "drawn");
-                    if *on {
-                        ui.monospace(count.to_string());
-                    }
-                })
-            });
+    for ((label, hint, on), count) in switches.into_iter().zip(counts) {
+        widgets::switch(ui, label, hint, on, false);
+        if *on {
+            widgets::reading(ui, "drawn", "How many there are at present.", count.to_string());
         }
-    });
+    }
     if view == before.unwrap_or(off) {
         return;
     }

@@ -17,9 +17,17 @@
 //! with the reason. Frame rate and solver times appear if Bevy's `FrameTimeDiagnosticsPlugin` and
 //! [`ClothDiagnosticsPlugin`](bevy_cloth::ClothDiagnosticsPlugin) are there.
 //!
+//! Every value has a unit, a tooltip with its range, and a button that brings its default back. The panel takes at most a third of
+//! the window; its left edge can be dragged. An app adds sections of its own with
+//! [`add_inspector_section`](InspectorAppExt::add_inspector_section), built from [`widgets`], and keeps the layout of the panel from
+//! run to run with [`InspectorLayoutFile`].
+//!
 //! | module | what it shows |
 //! |---|---|
 //! | `panel` | the side panel and the order of its sections |
+//! | `sections` | sections that an app adds |
+//! | `layout` | width of the panel, which sections are open, the file that keeps both |
+//! | [`widgets`] | rows, numbers, choices: what sections are made of |
 //! | `world` | clock, gravity, method, substeps, colouring |
 //! | `air` | wind, gusts, the selected wind zone, the selected fan |
 //! | `cloth` | size, resolution, rods |
@@ -27,35 +35,53 @@
 //! | `fabric` | preset and every value of the fabric |
 //! | `motion` | whether the cloth sleeps and when; what is a jump |
 //! | `self_contact` | whether and how the cloth keeps off itself |
+//! | `contact` | friction, events and force of the selected solid |
 //! | `contact_view` | what of contact is drawn: candidates, contacts, crossings |
 //! | `damage` | whether and how it tears, number of pieces |
 //! | `object` | shape, size, place and rotation of the selected object |
-//! | `statistics` | particles, strain, frame rate, times |
+//! | `material` | its colour, roughness, metal, reflectance |
+//! | `camera`, `light` | the main camera, the directional lights |
+//! | `advice`, `tried` | what could be left out of the cloth, and a way to try it |
+//! | `statistics`, `history` | particles, strain, frame rate, time of each phase; curves of strain and energy |
 //! | `outline` | lines around the selected object and the one under the pointer |
 //! | `silhouette` | where a mesh ends for the eye |
 
+mod advice;
 mod air;
+mod camera;
 mod cloth;
+mod contact;
 mod contact_view;
 mod damage;
 mod fabric;
 mod fire;
+mod history;
+mod layout;
+mod light;
+mod material;
 mod motion;
 mod object;
 mod outline;
 mod panel;
+mod sections;
 mod self_contact;
 mod silhouette;
 mod statistics;
-mod widgets;
+mod tried;
+#[cfg(test)]
+mod walk;
+pub mod widgets;
 mod world;
 
 use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_inspector_egui::DefaultInspectorConfigPlugin;
 
+pub use camera::CameraTarget;
 pub use contact_view::ContactGizmos;
+pub use layout::{InspectorLayout, InspectorLayoutFile};
 pub use outline::{HoverGizmos, NoOutline, SelectionGizmos};
+pub use sections::{InspectorAppExt, InspectorSections};
 
 /// The entity that is selected, if any. Write it from your own picking.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,19 +121,33 @@ impl Plugin for ClothInspectorPlugin {
             return;
         }
         app.add_plugins((DefaultInspectorConfigPlugin, outline::OutlinePlugin, contact_view::ContactViewPlugin))
-            .init_resource::<Selected>()
-            .init_resource::<Hovered>()
-            .init_resource::<InspectorOpen>()
-            .init_resource::<PanelWidth>()
-            .init_resource::<object::Refusals>()
             .register_type::<Selected>()
             .register_type::<Hovered>()
             .register_type::<InspectorOpen>()
             .register_type::<PanelWidth>()
+            .register_type::<InspectorLayout>()
+            .register_type::<CameraTarget>()
+            .add_systems(PreStartup, layout::load.run_if(resource_exists::<InspectorLayoutFile>))
             .add_systems(PreUpdate, forget_despawned)
             .add_systems(Update, object::note_refusals)
-            .add_systems(EguiPrimaryContextPass, panel::show);
+            .add_systems(EguiPrimaryContextPass, panel::show)
+            .add_systems(Last, layout::save.run_if(resource_exists::<InspectorLayoutFile>));
+        init_resources(app.world_mut());
     }
+}
+
+/// Everything that the panel keeps.
+fn init_resources(world: &mut World) {
+    world.init_resource::<Selected>();
+    world.init_resource::<Hovered>();
+    world.init_resource::<InspectorOpen>();
+    world.init_resource::<PanelWidth>();
+    world.init_resource::<InspectorLayout>();
+    world.init_resource::<InspectorSections>();
+    world.init_resource::<object::Refusals>();
+    world.init_resource::<statistics::Measured>();
+    world.init_resource::<advice::Adviser>();
+    world.init_resource::<history::History>();
 }
 
 fn forget_despawned(mut selected: ResMut<Selected>, entities: Query<()>) {

@@ -4,76 +4,46 @@ use bevy::prelude::*;
 use bevy_cloth::{ClothAsleep, ClothSleep, Teleport, TeleportPolicy, WakeCloth};
 use bevy_egui::egui;
 
-use crate::widgets::{self, Unit};
-use crate::world::edit_own_or_shared;
-
-const SECONDS: Unit = Unit::new("s", 1.0, 0.05);
-const METRE_PER_SECOND: Unit = Unit::new("m/s", 1.0, 0.002);
-const RADIANS: Unit = Unit::new("rad", 1.0, 0.01);
+use crate::widgets::{self, Unit, Value, edit_own_or_shared};
 
 /// Shows whether `cloth` sleeps, and when it does.
 pub fn sleep(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
-    widgets::rows(ui, "sleep", |ui| {
-        let asleep = world.entity(cloth).contains::<ClothAsleep>();
-        let hint = "Cloth at rest is not advanced until something could move it.";
-        let wake = widgets::row(ui, "state", hint, |ui| {
-            ui.horizontal(|ui| {
-                ui.label(if asleep { "asleep" } else { "awake" });
-                asleep && ui.button("wake").on_hover_text("It falls asleep again if nothing moves it.").clicked()
-            })
-            .inner
-        });
-        if wake {
-            world.trigger(WakeCloth { entity: cloth });
-        }
-        edit_own_or_shared(world, Some(cloth), |sleep: &mut ClothSleep| {
-            widgets::row(ui, "may sleep", hint, |ui| ui.checkbox(&mut sleep.enabled, ""));
-            let hint = "Every particle is slower; 0..=10 m/s.";
-            widgets::number_row(ui, "slower than", hint, &mut sleep.speed, METRE_PER_SECOND);
-            widgets::number_row(ui, "for", "For so long; 0..=1,000 s.", &mut sleep.time, SECONDS);
-            let hint = "Slower air does not wake it; 0..=100 m/s.";
-            widgets::number_row(ui, "wind below", hint, &mut sleep.wind, METRE_PER_SECOND);
-            reset(ui, sleep);
-        });
+    let asleep = world.entity(cloth).contains::<ClothAsleep>();
+    let hint = "Cloth at rest is not advanced until something could move it.";
+    let wake = widgets::row(ui, "state", hint, |ui| {
+        ui.label(if asleep { "asleep" } else { "awake" });
+        asleep && ui.button("wake").on_hover_text("It falls asleep again if nothing moves it.").clicked()
+    });
+    if wake {
+        world.trigger(WakeCloth { entity: cloth });
+    }
+    edit_own_or_shared(world, Some(cloth), |sleep: &mut ClothSleep| {
+        let default = ClothSleep::default();
+        widgets::switch(ui, "may sleep", "It falls asleep when it is at rest.", &mut sleep.enabled, default.enabled);
+        let hint = "It is at rest while every particle is slower than this.";
+        Value::new("slower than", hint, Unit::METRES_PER_SECOND, 0.0..=10.0).show(ui, &mut sleep.speed, default.speed);
+        let hint = "How long it has to be at rest.";
+        Value::new("for", hint, Unit::SECONDS, 0.0..=1e3).show(ui, &mut sleep.time, default.time);
+        let hint = "Air that is slower does not wake it.";
+        Value::new("wind below", hint, Unit::METRES_PER_SECOND, 0.0..=100.0).show(ui, &mut sleep.wind, default.wind);
     });
 }
 
 /// Shows what is a jump of `cloth`, and what it does then.
 pub fn teleport(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
-    widgets::rows(ui, "teleport", |ui| {
-        edit_own_or_shared(world, Some(cloth), |teleport: &mut Teleport| {
-            let hint = "What it hangs on jumps if it goes farther in one tick; 0..=1,000,000 m.";
-            widgets::number_row(ui, "distance", hint, &mut teleport.distance, Unit::METRES);
-            let hint = "Or turns further; 0..=10 rad. Above π no turn is a jump.";
-            widgets::number_row(ui, "angle", hint, &mut teleport.angle, RADIANS);
-            widgets::row(ui, "policy", "What the cloth does then.", |ui| policy(ui, &mut teleport.policy));
-            reset(ui, teleport);
-        });
-    });
-}
-
-fn policy(ui: &mut egui::Ui, policy: &mut TeleportPolicy) {
-    let choices = [
-        (TeleportPolicy::CarryAlong, "carry along", "It goes along in one piece."),
-        (TeleportPolicy::Reset, "reset", "It is there in its rest shape."),
-        (TeleportPolicy::Simulate, "simulate", "There are no jumps: it is dragged there."),
-    ];
-    let shown = choices.iter().find(|(choice, ..)| choice == policy).map_or("", |(_, name, _)| name);
-    egui::ComboBox::from_id_salt("teleport policy").selected_text(shown).width(150.0).show_ui(ui, |ui| {
-        for (choice, name, hint) in choices {
-            ui.selectable_value(policy, choice, name).on_hover_text(hint);
-        }
-    });
-}
-
-/// A button that brings back the default.
-fn reset<C: Default + PartialEq>(ui: &mut egui::Ui, value: &mut C) {
-    let default = C::default();
-    widgets::row(ui, "", "", |ui| {
-        let button = ui.add_enabled(*value != default, egui::Button::new("⟲ default"));
-        if button.on_hover_text("All values of this section.").clicked() {
-            *value = default;
-        }
+    edit_own_or_shared(world, Some(cloth), |teleport: &mut Teleport| {
+        let default = Teleport::default();
+        let hint = "What it hangs on jumps if it moves farther in one tick.";
+        Value::new("distance", hint, Unit::METRES, 0.0..=1e6).show(ui, &mut teleport.distance, default.distance);
+        let hint = "What it hangs on jumps if it turns further in one tick; above 180° no turn is a jump.";
+        Value::new("angle", hint, Unit::DEGREES_OF_RADIANS, 0.0..=10.0).show(ui, &mut teleport.angle, default.angle);
+        let policies = [
+            (TeleportPolicy::CarryAlong, "carry it along"),
+            (TeleportPolicy::Reset, "reset its shape"),
+            (TeleportPolicy::Simulate, "drag it there"),
+        ];
+        let hint = "What the cloth does at a jump.";
+        widgets::choice(ui, "policy", hint, &mut teleport.policy, default.policy, policies);
     });
 }
 

@@ -2,12 +2,12 @@
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
-use bevy_cloth::{ClothCollider, ColliderFriction, ColliderRejected, Fan, WindRejected, WindZone};
+use bevy_cloth::{ClothCollider, ColliderRejected, Fan, WindRejected, WindZone};
 use bevy_egui::egui;
 use bevy_inspector_egui::bevy_inspector;
 
 use crate::Selected;
-use crate::widgets::{self, Unit};
+use crate::widgets::{self, Unit, Value};
 
 /// What was refused of each collider, fan and wind zone, until it changes.
 #[derive(Resource, Default)]
@@ -36,14 +36,12 @@ pub fn show(ui: &mut egui::Ui, world: &mut World) {
     if let Some(reason) = world.resource::<Refusals>().0.get(&entity) {
         widgets::refusal(ui, reason);
     }
-    widgets::rows(ui, "object", |ui| {
-        widgets::edit(world, entity, |collider: &mut ClothCollider| shape(ui, collider));
-        widgets::edit(world, entity, |friction: &mut ColliderFriction| {
-            widgets::number_row(ui, "friction", "Coulomb friction coefficient.", &mut friction.0, Unit::NONE);
-        });
-        widgets::edit(world, entity, |transform: &mut Transform| place(ui, transform));
+    widgets::edit(world, entity, |collider: &mut ClothCollider| shape(ui, collider));
+    widgets::edit(world, entity, |transform: &mut Transform| place(ui, transform));
+    ui.collapsing("All components", |ui| {
+        // It takes what room it likes.
+        egui::ScrollArea::horizontal().show(ui, |ui| bevy_inspector::ui_for_entity(world, entity, ui));
     });
-    ui.collapsing("All components", |ui| bevy_inspector::ui_for_entity(world, entity, ui));
 }
 
 /// The kinds of shape that can be chosen, each of about the size that `collider` has.
@@ -95,8 +93,9 @@ fn kind_name(collider: &ClothCollider) -> &'static str {
 }
 
 fn shape(ui: &mut egui::Ui, collider: &mut ClothCollider) {
-    widgets::row(ui, "shape", "", |ui| {
-        egui::ComboBox::from_id_salt("shape").selected_text(kind_name(collider)).show_ui(ui, |ui| {
+    widgets::row(ui, "shape", "Form of the solid.", |ui| {
+        let combo = egui::ComboBox::from_id_salt("shape").selected_text(kind_name(collider));
+        combo.width((ui.available_width() - 20.0).max(1.0)).truncate().show_ui(ui, |ui| {
             for kind in kinds(collider) {
                 let same = std::mem::discriminant(&kind) == std::mem::discriminant(collider);
                 if ui.selectable_label(same, kind_name(&kind)).clicked() && !same {
@@ -105,71 +104,69 @@ fn shape(ui: &mut egui::Ui, collider: &mut ClothCollider) {
             }
         });
     });
-    let mut length = |label, hint, value: &mut f32| widgets::number_row(ui, label, hint, value, Unit::METRES);
+    let length = |ui: &mut egui::Ui, label, hint, value: &mut f32| {
+        Value::new(label, hint, Unit::METRES, 1e-4..=1e4).show(ui, value, None);
+    };
+    let size_of = |ui: &mut egui::Ui, label, value: &mut Vec3| {
+        Value::new(label, "Along x, y and z.", Unit::METRES, 1e-4..=1e4).show_vec3(ui, value, None);
+    };
     match collider {
-        ClothCollider::Sphere { radius } => length("radius", "", radius),
+        ClothCollider::Sphere { radius } => length(ui, "radius", "Radius of the ball.", radius),
         ClothCollider::Capsule { radius, length: between } => {
-            length("radius", "", radius);
-            length("length", "Between the centres of the half-balls.", between);
+            length(ui, "radius", "Radius of the capsule.", radius);
+            let row = Value::new("length", "Between the centres of the half-balls.", Unit::METRES, 0.0..=1e4);
+            row.show(ui, between, None);
         }
-        ClothCollider::Cuboid { size } => {
-            widgets::row(ui, "size", "Along x, y and z, m.", |ui| {
-                widgets::numbers(ui, size.as_mut(), Unit { name: "", ..Unit::METRES });
-            });
-        }
+        ClothCollider::Cuboid { size } => size_of(ui, "size", size),
         ClothCollider::Pyramid { base, height } => {
-            length("base, x", "", &mut base.x);
-            length("base, z", "", &mut base.y);
-            length("height", "", height);
+            length(ui, "base, x", "Edge of the base along x.", &mut base.x);
+            length(ui, "base, z", "Edge of the base along z.", &mut base.y);
+            length(ui, "height", "From the base to the apex.", height);
         }
         ClothCollider::Convex { planes } => {
-            let planes = planes.len();
-            widgets::row(ui, "planes", "", |ui| ui.label(planes.to_string()));
+            widgets::reading(ui, "planes", "How many planes bound it.", planes.len().to_string());
         }
-        ClothCollider::Ellipsoid { radii } => {
-            widgets::row(ui, "radii", "Along x, y and z, m.", |ui| {
-                widgets::numbers(ui, radii.as_mut(), Unit { name: "", ..Unit::METRES });
-            });
-        }
+        ClothCollider::Ellipsoid { radii } => size_of(ui, "radii", radii),
         ClothCollider::Cylinder { radius, height } | ClothCollider::Cone { radius, height } => {
-            length("radius", "", radius);
-            length("height", "", height);
+            length(ui, "radius", "Radius of the base.", radius);
+            length(ui, "height", "From the base to the top.", height);
         }
         ClothCollider::RoundedCuboid { size, radius } => {
-            length("edge radius", "", radius);
-            widgets::row(ui, "size", "Along x, y and z, m.", |ui| {
-                widgets::numbers(ui, size.as_mut(), Unit { name: "", ..Unit::METRES });
-            });
+            length(ui, "edge radius", "Radius of the rounded edges.", radius);
+            size_of(ui, "size", size);
         }
         ClothCollider::Hull { points } => {
-            let points = points.len();
-            widgets::row(ui, "points", "", |ui| ui.label(points.to_string()));
+            widgets::reading(ui, "points", "How many points it is the hull of.", points.len().to_string());
         }
         ClothCollider::HeightField { cells, thickness, .. } => {
-            length("thickness", "Of the wall along the surface.", thickness);
-            let cells = *cells;
-            widgets::row(ui, "cells", "", |ui| ui.label(format!("{} × {}", cells.x, cells.y)));
+            thick(ui, thickness);
+            let text = format!("{} × {}", cells.x, cells.y);
+            widgets::reading(ui, "cells", "Cells along x and z.", text);
         }
-        ClothCollider::Mesh { thickness } => length("thickness", "Of the wall along the triangles.", thickness),
+        ClothCollider::Mesh { thickness } => thick(ui, thickness),
         ClothCollider::Ground => {}
     }
 }
 
+fn thick(ui: &mut egui::Ui, thickness: &mut f32) {
+    let row = Value::new("thickness", "Thickness of the wall along the surface.", Unit::METRES, 1e-3..=10.0);
+    row.show(ui, thickness, None);
+}
+
 fn place(ui: &mut egui::Ui, transform: &mut Transform) {
-    widgets::row(ui, "place", "Along x, y and z, m.", |ui| {
-        widgets::numbers(ui, transform.translation.as_mut(), Unit { name: "", ..Unit::METRES });
-    });
+    let row = Value::new("place", "Along x, y and z.", Unit::METRES, -1e6..=1e6);
+    row.show_vec3(ui, &mut transform.translation, None);
     let (x, y, z) = transform.rotation.to_euler(EulerRot::XYZ);
-    let before = [x, y, z].map(f32::to_degrees);
+    let before = Vec3::new(x, y, z).map(f32::to_degrees);
     let mut after = before;
-    widgets::row(ui, "rotation", "Around x, y and z, in this order.", |ui| {
-        widgets::numbers(ui, &mut after, Unit::DEGREES)
-    });
+    let row = Value::new("rotation", "Around x, y and z, in this order.", Unit::DEGREES, -360.0..=360.0);
+    // A turn by a rounding error is none.
+    let default = if before.abs().max_element() < 1e-3 { before } else { Vec3::ZERO };
+    row.show_vec3(ui, &mut after, default);
     if after != before {
-        let [x, y, z] = after.map(f32::to_radians);
+        let [x, y, z] = after.to_array().map(f32::to_radians);
         transform.rotation = Quat::from_euler(EulerRot::XYZ, x, y, z);
     }
-    widgets::row(ui, "scale", "", |ui| {
-        widgets::numbers(ui, transform.scale.as_mut(), Unit { name: "", ..Unit::NONE });
-    });
+    let row = Value::new("scale", "Along x, y and z; of a cloth it is part of the rest shape.", Unit::NONE, 1e-3..=1e3);
+    row.show_vec3(ui, &mut transform.scale, Vec3::ONE);
 }

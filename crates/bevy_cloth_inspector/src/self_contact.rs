@@ -4,69 +4,56 @@ use bevy::prelude::*;
 use bevy_cloth::{ClothStats, Fabric, SelfContact};
 use bevy_egui::egui;
 
-use crate::widgets::{self, Unit};
-
-const PER_SECOND: Unit = Unit::new("1/s", 1.0, 0.1);
+use crate::widgets::{self, Unit, Value};
 
 /// Shows how `cloth` keeps off itself.
 pub fn show(ui: &mut egui::Ui, world: &mut World, cloth: Entity) {
     let fabric = world.get::<Fabric>(cloth).copied().unwrap_or_default();
-    widgets::rows(ui, "self-contact", |ui| {
-        let mut on = world.entity(cloth).contains::<SelfContact>();
-        let hint = "Without it the cloth passes through itself, and nothing is computed.";
-        if widgets::row(ui, "self-contact", hint, |ui| ui.checkbox(&mut on, "keeps off itself")).changed() {
-            match on {
-                true => drop(world.entity_mut(cloth).insert(SelfContact::default())),
-                false => drop(world.entity_mut(cloth).remove::<SelfContact>()),
-            }
+    let mut on = world.entity(cloth).contains::<SelfContact>();
+    let hint = "Without it the cloth passes through itself, and nothing is computed.";
+    if widgets::switch(ui, "self-contact", hint, &mut on, None) {
+        match on {
+            true => drop(world.entity_mut(cloth).insert(SelfContact::default())),
+            false => drop(world.entity_mut(cloth).remove::<SelfContact>()),
         }
-        widgets::edit(world, cloth, |settings: &mut SelfContact| values(ui, settings, &fabric));
-        if let Some(stats) = world.get::<ClothStats>(cloth).filter(|_| on) {
-            found(ui, stats);
-        }
-    });
+    }
+    widgets::edit(world, cloth, |settings: &mut SelfContact| values(ui, settings, &fabric));
+    if let Some(stats) = world.get::<ClothStats>(cloth).filter(|_| on) {
+        found(ui, stats);
+    }
 }
 
 fn values(ui: &mut egui::Ui, settings: &mut SelfContact, fabric: &Fabric) {
-    let hint = "Kept between two layers; 0.001..=100 mm. Unless it is its own, the thickness of the fabric.";
-    own(ui, "distance", hint, &mut settings.distance, fabric.thickness, Unit::MILLIMETRES);
-    let hint = "Coulomb friction coefficient of the cloth on itself; 0..=10. Unless it is its own, that of the fabric.";
-    own(ui, "friction", hint, &mut settings.friction, fabric.friction, Unit::NONE);
-    let hint = "Rate at which what layers lack of the distance fades; 0..=1,000 1/s.";
-    widgets::number_row(ui, "rate", hint, &mut settings.rate, PER_SECOND);
-    let hint = "Most pairs that are followed, for each particle; 1..=1,000.";
-    widgets::row(ui, "budget", hint, |ui| ui.add(egui::DragValue::new(&mut settings.budget).speed(0.2)));
     let default = SelfContact::default();
-    widgets::row(ui, "", "", |ui| {
-        let button = ui.add_enabled(*settings != default, egui::Button::new("⟲ default"));
-        if button.on_hover_text("All values of this section.").clicked() {
-            *settings = default;
-        }
-    });
+    let hint = "Distance kept between two layers; the fabric's thickness unless it has its own.";
+    let row = Value::new("distance", hint, Unit::MILLIMETRES, 1e-6..=0.1);
+    own(ui, row, &mut settings.distance, fabric.thickness);
+    let hint = "Coulomb friction of the cloth on itself; the fabric's unless it has its own.";
+    own(ui, Value::new("friction", hint, Unit::NONE, 0.0..=10.0), &mut settings.friction, fabric.friction);
+    let hint = "Rate at which layers that are too near part.";
+    Value::new("rate", hint, Unit::PER_SECOND, 0.0..=1000.0).show(ui, &mut settings.rate, default.rate);
+    let hint = "Most pairs that are followed, for each particle.";
+    Value::new("budget", hint, Unit::NONE, 1.0..=1000.0).show_count(ui, &mut settings.budget, default.budget);
 }
 
-/// A number of its own, or that of the fabric.
-fn own(ui: &mut egui::Ui, label: &str, hint: &str, value: &mut Option<f32>, of_fabric: f32, unit: Unit) {
-    widgets::row(ui, label, hint, |ui| {
-        ui.horizontal(|ui| {
-            let mut is_own = value.is_some();
-            if ui.checkbox(&mut is_own, "").on_hover_text("A value of its own.").changed() {
-                *value = is_own.then_some(of_fabric);
-            }
-            match value {
-                Some(value) => widgets::number(ui, value, unit),
-                None => _ = ui.weak("of the fabric"),
-            }
-        })
-    });
+/// A number of its own, or that of the fabric, to which its reset button goes back.
+fn own(ui: &mut egui::Ui, row: Value, value: &mut Option<f32>, of_fabric: f32) {
+    let mut shown = value.unwrap_or(of_fabric);
+    row.show(ui, &mut shown, of_fabric);
+    if shown == of_fabric {
+        *value = None;
+    } else if Some(shown) != *value {
+        *value = Some(shown);
+    }
 }
 
 fn found(ui: &mut egui::Ui, stats: &ClothStats) {
-    let mut line = |label, hint, value: String| widgets::row(ui, label, hint, |ui| ui.monospace(value));
-    line("touching", "Places at which it presses on itself.", stats.self_contacts.to_string());
-    line("tangled", "Edges that pass through a triangle; they are being drawn out.", stats.tangled.to_string());
+    let hint = "Places at which it presses on itself.";
+    widgets::reading(ui, "touching", hint, stats.self_contacts.to_string());
+    let hint = "Edges that pass through a triangle; they are being drawn out.";
+    widgets::reading(ui, "tangled", hint, stats.tangled.to_string());
     let bounded = if stats.self_contact_bounded { "too small" } else { "enough" };
-    line("budget is", "With too small a one the cloth may pass through itself.", bounded.into());
+    widgets::reading(ui, "budget is", "With too small a one the cloth may pass through itself.", bounded);
 }
 
 #[cfg(test)]

@@ -1,22 +1,22 @@
 //! What all clothes share: the clock, gravity, method, substeps, colouring.
 
 use bevy::prelude::*;
-use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Gravity, Method, ResetCloth, Shared, Substeps};
+use bevy_cloth::{Cloth, ClothClock, ClothColoring, ClothTime, Gravity, Method, ResetCloth, Substeps};
 use bevy_egui::egui;
 
-use crate::widgets::{self, Unit};
+use crate::widgets::{self, Unit, Value, edit_own_or_shared};
 
-/// Slowest motion the slider offers.
-const SLOWEST: f32 = 0.02;
-const METRE_PER_SECOND_SQUARED: Unit = Unit::new("m/s²", 1.0, 0.02);
+/// Slowest and fastest motion that can be chosen.
+const SPEEDS: std::ops::RangeInclusive<f32> = 0.02..=1.0;
 
 /// Shows the clock: pause, step, slow motion, reset.
 pub fn clock(ui: &mut egui::Ui, world: &mut World) {
     let Some(mut clock) = world.get_resource_mut::<Time<ClothClock>>() else { return };
     let mut reset = false;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let paused = clock.is_paused();
-        if ui.button(if paused { "▶ go on" } else { "⏸ pause" }).clicked() {
+        let button = ui.button(if paused { "▶ go on" } else { "⏸ pause" });
+        if button.on_hover_text("Stops and starts the simulation.").clicked() {
             if paused { clock.unpause() } else { clock.pause() }
         }
         if ui.button("⏭ step").on_hover_text("One tick, then pause.").clicked() {
@@ -24,14 +24,11 @@ pub fn clock(ui: &mut egui::Ui, world: &mut World) {
             clock.step_once();
         }
         reset = ui.button("⟲ reset").on_hover_text("All cloth back to its rest pose.").clicked();
-        ui.label(format!("{:.2} s", clock.elapsed_secs()));
+        ui.label(format!("{:.2} s", clock.elapsed_secs())).on_hover_text("Time simulated.");
     });
     let mut speed = clock.relative_speed();
-    let slider = egui::Slider::new(&mut speed, SLOWEST..=1.0)
-        .logarithmic(true)
-        .clamping(egui::SliderClamping::Edits)
-        .text("speed");
-    if ui.add(slider).on_hover_text("Slow motion runs fewer ticks, never shorter ones.").changed() {
+    let hint = "Slow motion: it runs fewer ticks, never shorter ones.";
+    if Value::new("speed", hint, Unit::PERCENT, SPEEDS).show(ui, &mut speed, 1.0) {
         clock.set_relative_speed(speed);
     }
     if reset {
@@ -44,49 +41,44 @@ pub fn clock(ui: &mut egui::Ui, world: &mut World) {
 
 /// Shows the shared settings, or those that `cloth` has of its own.
 pub fn settings(ui: &mut egui::Ui, world: &mut World, cloth: Option<Entity>) {
-    widgets::rows(ui, "world", |ui| {
-        edit_own_or_shared(world, cloth, |gravity: &mut Gravity| {
-            widgets::row(ui, "gravity", "m/s², along x, y and z.", |ui| {
-                widgets::numbers(ui, gravity.0.as_mut(), Unit { name: "", ..METRE_PER_SECOND_SQUARED });
-            });
-        });
-        let mut iterates = false;
-        edit_own_or_shared(world, cloth, |method: &mut Method| {
-            widgets::row(ui, "method", "How the cloth is advanced in time.", |ui| choose(ui, method));
-            iterates = method.iterates();
-        });
-        edit_own_or_shared(world, cloth, |substeps: &mut Substeps| {
-            widgets::row(ui, "substeps", "In a quiet tick: the budget that buys stiffness.", |ui| {
-                ui.add(egui::DragValue::new(&mut substeps.count).speed(0.1));
-            });
-            widgets::row(ui, "at most", "The solver may take more under load, up to this.", |ui| {
-                ui.add(egui::DragValue::new(&mut substeps.max).speed(0.1));
-            });
-            if iterates {
-                widgets::row(ui, "iterations", "In each substep.", |ui| {
-                    ui.add(egui::DragValue::new(&mut substeps.iterations).speed(0.05));
-                });
-            }
-        });
-        edit_own_or_shared(world, cloth, |coloring: &mut ClothColoring| {
-            widgets::row(ui, "colours", "", |ui| {
-                let name = |coloring: ClothColoring| format!("{coloring:?}").to_lowercase();
-                egui::ComboBox::from_id_salt("colours").selected_text(name(*coloring)).width(150.0).show_ui(ui, |ui| {
-                    for choice in ClothColoring::ALL {
-                        ui.selectable_value(coloring, choice, name(choice));
-                    }
-                });
-            });
-        });
+    edit_own_or_shared(world, cloth, |gravity: &mut Gravity| {
+        let row = Value::new("gravity", "Along x, y and z.", Unit::METRES_PER_SECOND_SQUARED, -1e4..=1e4);
+        row.show_vec3(ui, &mut gravity.0, Gravity::default().0);
+    });
+    let mut iterates = false;
+    edit_own_or_shared(world, cloth, |method: &mut Method| {
+        let hint = "How the cloth is advanced in time.";
+        let methods = Method::ALL.into_iter().map(|method| (method, label(method)));
+        widgets::choice(ui, "method", hint, method, Method::default(), methods);
+        iterates = method.iterates();
+    });
+    edit_own_or_shared(world, cloth, |substeps: &mut Substeps| {
+        let default = Substeps::default();
+        let hint = "Substeps of a quiet tick: more of them resolve faster motion.";
+        Value::new("substeps", hint, Unit::NONE, 1.0..=200.0).show_count(ui, &mut substeps.count, default.count);
+        let hint = "Most substeps of a tick; load and fast motion ask for more than a quiet tick takes.";
+        Value::new("at most", hint, Unit::NONE, 1.0..=200.0).show_count(ui, &mut substeps.max, default.max);
+        if iterates {
+            let row = Value::new("iterations", "Iterations in each substep.", Unit::NONE, 1.0..=100.0);
+            row.show_count(ui, &mut substeps.iterations, default.iterations);
+        }
+    });
+    edit_own_or_shared(world, cloth, |coloring: &mut ClothColoring| {
+        let hint = "What the colour of the cloth shows.";
+        let colorings = ClothColoring::ALL.into_iter().map(|coloring| (coloring, coloring_label(coloring)));
+        widgets::choice(ui, "colours", hint, coloring, ClothColoring::default(), colorings);
     });
 }
 
-fn choose(ui: &mut egui::Ui, method: &mut Method) {
-    egui::ComboBox::from_id_salt("method").selected_text(label(*method)).width(150.0).show_ui(ui, |ui| {
-        for choice in Method::ALL {
-            ui.selectable_value(method, choice, label(choice));
-        }
-    });
+fn coloring_label(coloring: ClothColoring) -> &'static str {
+    match coloring {
+        ClothColoring::Material => "material",
+        ClothColoring::Stress => "stress",
+        ClothColoring::Strain => "strain",
+        ClothColoring::Temperature => "temperature",
+        ClothColoring::Speed => "speed",
+        ClothColoring::Contact => "contact",
+    }
 }
 
 /// A method's name in print.
@@ -99,17 +91,5 @@ fn label(method: Method) -> &'static str {
         Method::Pbd => "PBD",
         Method::XpbdSweeps => "XPBD, sweeps",
         Method::XpbdLines => "XPBD, lines",
-    }
-}
-
-/// Edits the component of `cloth` if it has one, else the resource shared by all.
-pub fn edit_own_or_shared<C>(world: &mut World, cloth: Option<Entity>, change: impl FnOnce(&mut C))
-where
-    C: Component<Mutability = bevy::ecs::component::Mutable> + Clone + PartialEq + Default + std::fmt::Debug,
-    Shared<C>: Resource<Mutability = bevy::ecs::component::Mutable>,
-{
-    match cloth.filter(|entity| world.entity(*entity).contains::<C>()) {
-        Some(entity) => widgets::edit(world, entity, change),
-        None => widgets::edit_resource(world, |shared: &mut Shared<C>| change(&mut shared.0)),
     }
 }

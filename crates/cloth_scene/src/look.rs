@@ -16,8 +16,8 @@ pub struct SceneLook {
     pub second: Option<Vec3>,
     /// What is woven or printed in the second colour. Default nothing.
     pub pattern: ScenePattern,
-    /// How much light shines through, 0..=1. Default 0: none.
-    pub translucency: f32,
+    /// How much light shines through, 0..=1. Default: as usual for the weave.
+    pub translucency: Option<f32>,
 }
 
 impl Default for SceneLook {
@@ -27,7 +27,7 @@ impl Default for SceneLook {
             color: Vec3::new(0.93, 0.91, 0.86),
             second: None,
             pattern: ScenePattern::default(),
-            translucency: 0.0,
+            translucency: None,
         }
     }
 }
@@ -85,6 +85,7 @@ impl SceneLook {
                 ClothError::check("SceneLook::pattern", width, 1e-3..=10.0, "0.001..=10 m")?;
             }
         }
-        ClothError::check("SceneLook::translucency", self.translucency, 0.0..=1.0, "0..=1")
+        let translucency = self.translucency.unwrap_or_default();
+        ClothError::check("SceneLook::translucency", translucency, 0.0..=1.0, "0..=1")
     }
 }

@@ -60,6 +60,14 @@ impl Tearable {
     }
 }
 
+impl Tearable {
+    /// When cloth of `fabric` tears.
+    pub(crate) fn of(&self, fabric: &Fabric) -> Tearing {
+        let Self { scale, splits, weakening, reinforcement, reach, .. } = *self;
+        Tearing { strength: fabric.strength * scale, splits, weakening, reinforcement, reach }
+    }
+}
+
 /// What is known of the loads of a tearable cloth.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
@@ -95,9 +103,7 @@ pub(crate) fn tear(
             continue;
         };
         state.0.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, tick.dt);
-        let Tearable { scale, splits, weakening, reinforcement, reach, .. } = *tearable;
-        let strength = fabric.copied().unwrap_or_default().strength * scale;
-        let tearing = Tearing { strength, splits, weakening, reinforcement, reach };
+        let tearing = tearable.of(&fabric.copied().unwrap_or_default());
         let (mut now, pins) = (cloth.topology.0.clone(), &cloth.constraints.pins().pins);
         let charred = cloth.fire.as_ref().map_or(&[][..], |fire| fire.strength());
         let Some(torn) = state.0.tear(&mut now, pins, &tearing, charred) else { continue };

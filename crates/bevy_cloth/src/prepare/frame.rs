@@ -55,6 +55,11 @@ impl StepPlan {
         self.budget = *budget;
     }
 
+    /// How its ticks are divided at present.
+    pub fn pace(&self) -> Pace {
+        self.pace
+    }
+
     /// Begins the tick.
     pub fn begin(&mut self, dt: f32, particles: &Particles, constraints: &Constraints, contacts: &Contacts) {
         self.tick = None;

@@ -82,8 +82,8 @@ pub fn predictions(scene: &Scene, full: &Recording) -> Vec<Prediction> {
         ),
         rule: "no: none needed",
         needed: meeting,
-        change: None,
-        instead: "not modelled yet",
+        change: Some(Change::NoSelfContact),
+        instead: "",
     });
     all.push(Prediction {
         about: "sleep",

@@ -8,7 +8,6 @@ mod laws;
 mod model;
 mod play;
 mod search;
-mod shape;
 mod told;
 
 use std::path::PathBuf;

@@ -1,175 +1,103 @@
 //! What can be left out of a scene's model or be had cheaper.
 
+pub use cloth_advice::{Change, Lever};
 use cloth_scene::{Scene, SceneCloth, SceneFabric};
 use cloth_solver::{Fabric, Method};
 use glam::UVec2;
 
-/// A change of a scene that makes it simpler or cheaper.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// No bending stiffness, twist included.
-    NoBending,
-    /// No shear stiffness.
-    NoShear,
-    /// Threads a hundred times as stiff.
-    Inextensible,
-    /// No air, and so no wind.
-    NoAir,
-    /// No friction.
-    NoFriction,
-    /// Without these colliders (indices in the scene, ascending).
-    NoColliders(Vec<usize>),
-    /// So many times fewer cells along each side.
-    Coarser(u32),
-    /// Another way of advancing.
-    Budget {
-        /// The method.
-        method: Method,
-        /// Substeps in a tick.
-        substeps: u32,
-        /// Iterations in a substep.
-        iterations: u32,
-    },
-}
-
-/// Changes that exclude each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lever {
-    /// What holds the fabric's shape, and what acts on it: each a lever of its own.
-    Part(&'static str),
-    /// The number of cells.
-    Mesh,
-    /// Method, substeps, iterations.
-    Budget,
-}
-
-impl Change {
-    /// What it is called.
-    pub fn name(&self) -> String {
-        match self {
-            Self::NoBending => "bending and twist".into(),
-            Self::NoShear => "shear".into(),
-            Self::Inextensible => "stretch of the threads".into(),
-            Self::NoAir => "air".into(),
-            Self::NoFriction => "friction".into(),
-            Self::NoColliders(which) => format!("{} collider(s) never touched", which.len()),
-            Self::Coarser(times) => format!("mesh, 1/{times} of the cells along each side"),
-            Self::Budget { method, substeps, iterations } if method.iterates() => {
-                format!("{}, {substeps} substeps × {iterations}", method.name())
+/// The scene with `change`.
+pub fn changed(scene: &Scene, change: &Change) -> Scene {
+    let mut scene = scene.clone();
+    for cloth in &mut scene.cloths {
+        if let Ok(before) = cloth.fabric() {
+            let mut fabric = before;
+            change.change_fabric(&mut fabric);
+            if fabric != before {
+                cloth.fabric = SceneFabric::Custom(fabric);
             }
-            Self::Budget { method, substeps, .. } => format!("{}, {substeps} substeps", method.name()),
         }
     }
-
-    /// The lever it pulls.
-    pub fn lever(&self) -> Lever {
-        match self {
-            Self::NoBending => Lever::Part("bending"),
-            Self::NoShear => Lever::Part("shear"),
-            Self::Inextensible => Lever::Part("stretch"),
-            Self::NoAir => Lever::Part("air"),
-            Self::NoFriction => Lever::Part("friction"),
-            Self::NoColliders(_) => Lever::Part("colliders"),
-            Self::Coarser(_) => Lever::Mesh,
-            Self::Budget { .. } => Lever::Budget,
+    match change {
+        Change::NoAir => scene.air = None,
+        Change::NoFriction => scene.colliders.iter_mut().for_each(|collider| collider.friction = None),
+        Change::NoSelfContact => scene.cloths.iter_mut().for_each(|cloth| cloth.self_contact = None),
+        Change::NoColliders(which) => {
+            let mut index = 0;
+            scene.colliders.retain(|_| {
+                index += 1;
+                !which.contains(&(index - 1))
+            });
         }
-    }
-
-    /// The scene with this change.
-    pub fn of(&self, scene: &Scene) -> Scene {
-        let mut scene = scene.clone();
-        let fabrics = |scene: &mut Scene, change: &dyn Fn(&mut Fabric)| {
+        Change::Coarser(times) => {
             for cloth in &mut scene.cloths {
-                change_fabric(cloth, change);
-            }
-        };
-        match self {
-            Self::NoBending => fabrics(&mut scene, &|fabric| (fabric.bend_warp, fabric.bend_weft) = (0.0, 0.0)),
-            Self::NoShear => fabrics(&mut scene, &|fabric| fabric.shear = 0.0),
-            Self::Inextensible => fabrics(&mut scene, &|fabric| {
-                fabric.stretch_warp = (100.0 * fabric.stretch_warp).min(1e9);
-                fabric.stretch_weft = (100.0 * fabric.stretch_weft).min(1e9);
-            }),
-            Self::NoAir => scene.air = None,
-            Self::NoFriction => {
-                fabrics(&mut scene, &|fabric| fabric.friction = 0.0);
-                scene.colliders.iter_mut().for_each(|collider| collider.friction = None);
-            }
-            Self::NoColliders(which) => {
-                let mut index = 0;
-                scene.colliders.retain(|_| {
-                    index += 1;
-                    !which.contains(&(index - 1))
-                });
-            }
-            Self::Coarser(times) => {
-                for cloth in &mut scene.cloths {
-                    cloth.cells = (cloth.cells / (*times).max(1)).max(UVec2::ONE);
-                }
-            }
-            Self::Budget { method, substeps, iterations } => {
-                (scene.method, scene.substeps, scene.iterations) = (*method, *substeps, *iterations);
+                cloth.cells = (cloth.cells / (*times).max(1)).max(UVec2::ONE);
             }
         }
-        scene
-    }
-
-    /// The parts that `full` has and that can be left out. `touched` tells for each collider whether a cloth came near.
-    pub fn parts(full: &Scene, touched: &[bool]) -> Vec<Self> {
-        let fabrics: Vec<Fabric> = full.cloths.iter().filter_map(|cloth| cloth.fabric().ok()).collect();
-        let any = |has: &dyn Fn(&Fabric) -> bool| fabrics.iter().any(has);
-        let unused: Vec<usize> = (0..touched.len()).filter(|index| !touched[*index]).collect();
-        let friction = !full.colliders.is_empty()
-            && (any(&|fabric| fabric.friction > 0.0) || full.colliders.iter().any(|c| c.friction > Some(0.0)));
-        [
-            (any(&|fabric| fabric.bend_warp + fabric.bend_weft > 0.0), Self::NoBending),
-            (any(&|fabric| fabric.shear > 0.0), Self::NoShear),
-            (!fabrics.is_empty(), Self::Inextensible),
-            (full.air.is_some(), Self::NoAir),
-            (friction, Self::NoFriction),
-            (!unused.is_empty(), Self::NoColliders(unused)),
-        ]
-        .into_iter()
-        .filter_map(|(has, change)| has.then_some(change))
-        .collect()
-    }
-
-    /// Coarser meshes, the coarsest first, as far as cells are left.
-    pub fn meshes(full: &Scene) -> Vec<Self> {
-        let fewest = full.cloths.iter().map(|cloth| cloth.cells.min_element()).min().unwrap_or(0);
-        [4, 2].into_iter().filter(|times| fewest / times >= 2).map(Self::Coarser).collect()
-    }
-
-    /// Fewer substeps of the same method, the fewest first.
-    pub fn substeps(full: &Scene) -> Vec<Self> {
-        let (method, iterations) = (full.method, full.iterations);
-        let fewer = [1, 2, 3, 5, 10, 20].into_iter().filter(|substeps| *substeps < full.substeps);
-        fewer.map(|substeps| Self::Budget { method, substeps, iterations }).collect()
-    }
-
-    /// Budgets of `method` that are worth a try on this scene, the cheapest first: none where the step length that it
-    /// needs to be stable is out of reach.
-    pub fn budgets(method: Method, full: &Scene, quick: bool) -> Vec<Self> {
-        let dt = 1.0 / full.rate;
-        let explicit = |limit: f32| {
-            let needed = (1.1 * dt * highest_frequency(full) / limit).ceil().max(1.0);
-            if needed <= MOST_SUBSTEPS { vec![(needed as u32, 1)] } else { Vec::new() }
-        };
-        let mut budgets = match method {
-            // Gains energy at every step length.
-            Method::ExplicitEuler => Vec::new(),
-            Method::SymplecticEuler | Method::StormerVerlet => explicit(2.0),
-            Method::RungeKutta4 => explicit(2.83),
-            Method::Pbd => vec![(1, 10), (2, 10), (5, 10), (10, 10)],
-            Method::XpbdSweeps => vec![(5, 1), (10, 1), (20, 1), (40, 1)],
-            Method::XpbdLines => vec![(2, 1), (5, 1), (10, 1), (20, 1)],
-        };
-        if quick {
-            budgets.truncate(2);
+        Change::Budget { method, substeps, iterations } => {
+            (scene.method, scene.substeps, scene.iterations) = (*method, *substeps, *iterations);
         }
-        let budget = |(substeps, iterations)| Self::Budget { method, substeps, iterations };
-        budgets.into_iter().map(budget).collect()
+        // A change of the fabric alone; and no scene tears.
+        Change::NoBending | Change::NoShear | Change::Inextensible | Change::NoTearing => {}
     }
+    scene
+}
+
+/// The parts that `full` has and that can be left out. `touched` tells for each collider whether a cloth came near.
+pub fn parts(full: &Scene, touched: &[bool]) -> Vec<Change> {
+    let fabrics: Vec<Fabric> = full.cloths.iter().filter_map(|cloth| cloth.fabric().ok()).collect();
+    let any = |has: &dyn Fn(&Fabric) -> bool| fabrics.iter().any(has);
+    let unused: Vec<usize> = (0..touched.len()).filter(|index| !touched[*index]).collect();
+    let friction = !full.colliders.is_empty()
+        && (any(&|fabric| fabric.friction > 0.0) || full.colliders.iter().any(|c| c.friction > Some(0.0)));
+    [
+        (any(&|fabric| fabric.bend_warp + fabric.bend_weft > 0.0), Change::NoBending),
+        (any(&|fabric| fabric.shear > 0.0), Change::NoShear),
+        (!fabrics.is_empty(), Change::Inextensible),
+        (full.air.is_some(), Change::NoAir),
+        (friction, Change::NoFriction),
+        (full.cloths.iter().any(|cloth| cloth.self_contact.is_some()), Change::NoSelfContact),
+        (!unused.is_empty(), Change::NoColliders(unused)),
+    ]
+    .into_iter()
+    .filter_map(|(has, change)| has.then_some(change))
+    .collect()
+}
+
+/// Coarser meshes, the coarsest first, as far as cells are left.
+pub fn meshes(full: &Scene) -> Vec<Change> {
+    let fewest = full.cloths.iter().map(|cloth| cloth.cells.min_element()).min().unwrap_or(0);
+    [4, 2].into_iter().filter(|times| fewest / times >= 2).map(Change::Coarser).collect()
+}
+
+/// Fewer substeps of the same method, the fewest first.
+pub fn substeps(full: &Scene) -> Vec<Change> {
+    let (method, iterations) = (full.method, full.iterations);
+    let fewer = [1, 2, 3, 5, 10, 20].into_iter().filter(|substeps| *substeps < full.substeps);
+    fewer.map(|substeps| Change::Budget { method, substeps, iterations }).collect()
+}
+
+/// Budgets of `method` that are worth a try on this scene, the cheapest first: none where the step length that it
+/// needs to be stable is out of reach.
+pub fn budgets(method: Method, full: &Scene, quick: bool) -> Vec<Change> {
+    let dt = 1.0 / full.rate;
+    let explicit = |limit: f32| {
+        let needed = (1.1 * dt * highest_frequency(full) / limit).ceil().max(1.0);
+        if needed <= MOST_SUBSTEPS { vec![(needed as u32, 1)] } else { Vec::new() }
+    };
+    let mut budgets = match method {
+        // Gains energy at every step length.
+        Method::ExplicitEuler => Vec::new(),
+        Method::SymplecticEuler | Method::StormerVerlet => explicit(2.0),
+        Method::RungeKutta4 => explicit(2.83),
+        Method::Pbd => vec![(1, 10), (2, 10), (5, 10), (10, 10)],
+        Method::XpbdSweeps => vec![(5, 1), (10, 1), (20, 1), (40, 1)],
+        Method::XpbdLines => vec![(2, 1), (5, 1), (10, 1), (20, 1)],
+    };
+    if quick {
+        budgets.truncate(2);
+    }
+    let budget = |(substeps, iterations)| Change::Budget { method, substeps, iterations };
+    budgets.into_iter().map(budget).collect()
 }
 
 /// More substeps than this are not tried, as nothing that needs them can be cheap.
@@ -189,13 +117,6 @@ pub fn highest_frequency(scene: &Scene) -> f32 {
     scene.cloths.iter().map(of_cloth).fold(0.0, f32::max)
 }
 
-fn change_fabric(cloth: &mut SceneCloth, change: &dyn Fn(&mut Fabric)) {
-    if let Ok(mut fabric) = cloth.fabric() {
-        change(&mut fabric);
-        cloth.fabric = SceneFabric::Custom(fabric);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,8 +132,8 @@ mod tests {
     #[test]
     fn each_change_takes_out_what_it_names_and_nothing_else() {
         let full = scene();
-        for change in Change::parts(&full, &[true, false, false]) {
-            let without = change.of(&full);
+        for change in parts(&full, &[true, false, false]) {
+            let without = changed(&full, &change);
             let (was, now) = (full.cloths[0].fabric().unwrap(), without.cloths[0].fabric().unwrap());
             assert_eq!(now.bend_warp == 0.0, change == Change::NoBending, "{change:?}");
             assert_eq!(now.shear == 0.0, change == Change::NoShear, "{change:?}");
@@ -222,38 +143,38 @@ mod tests {
             assert_eq!((was.damping, was.areal_density), (now.damping, now.areal_density));
             assert!(without.validate().is_ok(), "{change:?}");
         }
-        let fewer = Change::NoColliders(vec![0, 2]).of(&full);
+        let fewer = changed(&full, &Change::NoColliders(vec![0, 2]));
         assert_eq!(fewer.colliders.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["b"]);
     }
 
     #[test]
     fn what_a_scene_does_not_have_is_not_taken_out() {
         let bare = Scene::from_ron("(cloths: [(fabric: Custom((bend_warp: 0, bend_weft: 0, shear: 0)))])").unwrap();
-        assert_eq!(Change::parts(&bare, &[]), [Change::Inextensible]);
+        assert_eq!(parts(&bare, &[]), [Change::Inextensible]);
     }
 
     #[test]
     fn meshes_get_coarser_as_long_as_there_are_cells() {
-        assert_eq!(Change::meshes(&scene()), [Change::Coarser(4), Change::Coarser(2)]);
-        assert_eq!(Change::Coarser(4).of(&scene()).cloths[0].cells, UVec2::new(10, 5));
+        assert_eq!(meshes(&scene()), [Change::Coarser(4), Change::Coarser(2)]);
+        assert_eq!(changed(&scene(), &Change::Coarser(4)).cloths[0].cells, UVec2::new(10, 5));
         let tiny = Scene::from_ron("(cloths: [(cells: (5, 40))])").unwrap();
-        assert_eq!(Change::meshes(&tiny), [Change::Coarser(2)]);
+        assert_eq!(meshes(&tiny), [Change::Coarser(2)]);
     }
 
     #[test]
     fn explicit_methods_are_tried_only_where_their_step_is_within_reach() {
         let soft = Scene::from_ron("(cloths: [(cells: (4, 4))])").unwrap();
-        let budgets = Change::budgets(Method::SymplecticEuler, &soft, false);
+        let budgets = budgets(Method::SymplecticEuler, &soft, false);
         let [Change::Budget { substeps, .. }] = budgets[..] else { panic!("{budgets:?}") };
         // Neighbours: 4/l² (Y/σ) twice and shear: ω = 2·4·√((2·5500 + 2·60)/0.15) = 2178 rad/s.
         assert!((18..=22).contains(&substeps), "{substeps}");
         let fine = Scene::from_ron("(cloths: [(cells: (200, 200))])").unwrap();
-        assert!(Change::budgets(Method::StormerVerlet, &fine, false).is_empty());
+        assert!(budgets(Method::StormerVerlet, &fine, false).is_empty());
     }
 
     #[test]
     fn fewer_substeps_are_fewer_than_the_scene_has() {
-        let few = Change::substeps(&Scene { substeps: 5, ..scene() });
+        let few = substeps(&Scene { substeps: 5, ..scene() });
         assert_eq!(few.len(), 3);
         assert!(few.iter().all(|c| matches!(c, Change::Budget { substeps, .. } if *substeps < 5)));
     }

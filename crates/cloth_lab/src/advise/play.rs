@@ -2,11 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use cloth_advice::{Difference, Shape, Sheet};
 use cloth_scene::{Scene, SceneError, World};
 use cloth_solver::measure;
 use glam::Vec3;
-
-use super::shape::{Difference, Shape};
 
 /// How often the shape is kept over the last half of the scene.
 const SAMPLES: u32 = 10;
@@ -110,8 +109,8 @@ pub fn play(scene: &Scene, patience: Duration) -> Result<Recording, SceneError> 
             break;
         }
         if tick > half {
-            let shape = Shape::of(&world);
-            recording.mean.add(&shape);
+            let shape = shape_of(&world);
+            add(&mut recording.mean, &shape);
             // Moment i of n is the last tick of part i of the half.
             let part = |tick: u32| u64::from(tick - half) * u64::from(SAMPLES) / u64::from((ticks - half).max(1));
             if part(tick) > part(tick - 1) {
@@ -119,7 +118,8 @@ pub fn play(scene: &Scene, patience: Duration) -> Result<Recording, SceneError> 
             }
         }
     }
-    recording.mean.scale(1.0 / (ticks - half).max(1) as f32);
+    let share = 1.0 / (ticks - half).max(1) as f32;
+    recording.mean.0.iter_mut().flat_map(|sheet| &mut sheet.points).for_each(|point| *point *= share);
     times.sort_by(f64::total_cmp);
     recording.least = times.first().copied().unwrap_or(0.0);
     recording.median = times.get(times.len() / 2).copied().unwrap_or(0.0);
@@ -156,19 +156,22 @@ impl Recording {
     }
 }
 
-impl Shape {
-    fn add(&mut self, other: &Self) {
-        if self.0.is_empty() {
-            *self = other.clone();
-            return;
-        }
-        for (sum, sheet) in self.0.iter_mut().zip(&other.0) {
-            sum.points.iter_mut().zip(&sheet.points).for_each(|(sum, point): (&mut Vec3, &Vec3)| *sum += *point);
-        }
-    }
+/// The cloths of `world` as they are now.
+fn shape_of(world: &World) -> Shape {
+    let sheets = world.cloths.iter().zip(&world.frames).filter_map(|(cloth, frame)| {
+        Sheet::of_grid(&cloth.topology, |slot| frame.point(cloth.particles.position.get(slot)))
+    });
+    Shape(sheets.collect())
+}
 
-    fn scale(&mut self, factor: f32) {
-        self.0.iter_mut().flat_map(|sheet| &mut sheet.points).for_each(|point| *point *= factor);
+/// Adds up the points of several moments.
+fn add(sum: &mut Shape, shape: &Shape) {
+    if sum.0.is_empty() {
+        *sum = shape.clone();
+        return;
+    }
+    for (sum, sheet) in sum.0.iter_mut().zip(&shape.0) {
+        sum.points.iter_mut().zip(&sheet.points).for_each(|(sum, point): (&mut Vec3, &Vec3)| *sum += *point);
     }
 }
 
@@ -188,7 +191,7 @@ mod tests {
             assert_eq!(recording.shapes.len(), SAMPLES as usize, "{seconds}");
             let mut world = World::new(&Scene::from_ron(&text).unwrap()).unwrap();
             (0..world.ticks()).for_each(|_| world.tick());
-            assert_eq!(recording.shapes.last(), Some(&Shape::of(&world)));
+            assert_eq!(recording.shapes.last(), Some(&shape_of(&world)));
         }
     }
 

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
+use cloth_advice::Difference;
 use cloth_scene::{Scene, SceneError};
 use cloth_solver::Method;
 use indicatif::ProgressBar;
 
-use super::model::{Change, Lever};
+use super::model::{self, Change, Lever, changed};
 use super::play::{By, End, Recording, play};
-use super::shape::Difference;
 
 /// Substeps of the full model, at least.
 const GENEROUS_SUBSTEPS: u32 = 40;
@@ -130,7 +130,7 @@ impl Full {
 
     fn measure(&self, change: Change, bar: &ProgressBar) -> Result<Measured, SceneError> {
         bar.set_message(change.name());
-        let (difference, recording) = self.compare(&change.of(&self.scene))?;
+        let (difference, recording) = self.compare(&changed(&self.scene, &change))?;
         bar.inc(1);
         Ok(Measured { change, difference, median: recording.median, end: recording.end })
     }
@@ -140,11 +140,11 @@ impl Full {
     /// # Errors
     /// What in a changed scene is out of range.
     pub fn ladder(&self, settings: Settings, bar: &ProgressBar) -> Result<Vec<Measured>, SceneError> {
-        let parts = Change::parts(&self.scene, &self.recording.touched);
-        let (meshes, substeps) = (Change::meshes(&self.scene), Change::substeps(&self.scene));
+        let parts = model::parts(&self.scene, &self.recording.touched);
+        let (meshes, substeps) = (model::meshes(&self.scene), model::substeps(&self.scene));
         let others: Vec<Vec<Change>> = (Method::ALL.into_iter())
             .filter(|method| *method != self.scene.method)
-            .map(|method| Change::budgets(method, &self.scene, settings.quick))
+            .map(|method| model::budgets(method, &self.scene, settings.quick))
             .collect();
         bar.set_length((parts.len() + meshes.len() + substeps.len() + others.iter().flatten().count()) as u64);
         let mut ladder = Vec::new();
@@ -190,7 +190,7 @@ impl Full {
                 continue;
             }
             bar.set_message(format!("together, {:.0} s: {}", begin.elapsed().as_secs_f32(), measured.change.name()));
-            let scene = measured.change.of(&cheapest.scene);
+            let scene = changed(&cheapest.scene, &measured.change);
             let (difference, recording) = self.compare(&scene)?;
             let faster = recording.median < cheapest.recording.median;
             if self.within(difference) && (faster || matches!(lever, Lever::Part(_))) {
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn the_cheapest_model_is_the_scene_with_its_changes_and_nothing_more() {
         let (full, _, cheapest) = searched(PAPER, 0.02);
-        let scene = cheapest.changes.iter().fold(full.scene.clone(), |scene, change| change.of(&scene));
+        let scene = cheapest.changes.iter().fold(full.scene.clone(), |scene, change| changed(&scene, change));
         assert_eq!(scene, cheapest.scene);
     }
 

@@ -41,7 +41,6 @@ impl Found<'_> {
         text += &self.expected().markdown();
         text += "\n## Parts of the model\n\n";
         text += &self.rows(|lever| matches!(lever, Lever::Part(_))).markdown();
-        text += "\nself-contact: not modelled yet.\n";
         text += "\n## Mesh and budget\n\n";
         text += &self.rows(|lever| !matches!(lever, Lever::Part(_))).markdown();
         text += &self.left_out();

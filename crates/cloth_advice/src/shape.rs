@@ -1,9 +1,9 @@
-//! The shape of a scene at one moment, and how far two of them are apart.
+//! The shape of cloths at one moment, and how far two of them are apart.
 
-use cloth_scene::World;
+use cloth_solver::Topology;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 
-/// All cloths of a scene at one moment.
+/// All cloths that are compared, at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape(pub Vec<Sheet>);
 
@@ -36,26 +36,17 @@ impl Difference {
 }
 
 impl Shape {
-    /// The cloths of `world` as they are now.
-    pub fn of(world: &World) -> Self {
-        let sheets = world.cloths.iter().zip(&world.frames).filter_map(|(cloth, frame)| {
-            let grid = cloth.topology.grid?;
-            let place = |row, column| frame.point(cloth.particles.position.get(grid.slot(row, column) as usize));
-            let points = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| place(row, column)));
-            Some(Sheet { points_across: UVec2::new(grid.columns, grid.rows), points: points.collect() })
-        });
-        Self(sheets.collect())
-    }
-
     /// How far the material points of `self` are from where `other`, whose meshes may be coarser or finer, has them.
     pub fn difference(&self, other: &Self) -> Difference {
         let (mut squares, mut count, mut most) = (0.0, 0_usize, 0.0_f64);
         for (here, there) in self.0.iter().zip(&other.0) {
             let last = (here.points_across - 1).max(UVec2::ONE).as_vec2();
+            let same_mesh = here.points_across == there.points_across;
             for (index, point) in here.points.iter().enumerate() {
                 let (row, column) = (index as u32 / here.points_across.x, index as u32 % here.points_across.x);
                 let part = Vec2::new(column as f32, row as f32) / last;
-                let square = point.as_dvec3().distance_squared(there.at(part));
+                let other = if same_mesh { there.points[index].as_dvec3() } else { there.at(part) };
+                let square = point.as_dvec3().distance_squared(other);
                 if !square.is_finite() {
                     return Difference::INFINITE;
                 }
@@ -67,8 +58,22 @@ impl Shape {
 }
 
 impl Sheet {
+    /// The particles of a rectangle that is whole, row by row, each at `place` of its slot. `None` for any other cloth.
+    pub fn of_grid(topology: &Topology, place: impl Fn(usize) -> Vec3) -> Option<Self> {
+        let grid = topology.grid?;
+        let points =
+            (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| grid.slot(row, column) as usize));
+        Some(Self { points_across: UVec2::new(grid.columns, grid.rows), points: points.map(place).collect() })
+    }
+
+    /// All particles of a cloth of any form, in one row.
+    pub fn of_particles(topology: &Topology, place: impl Fn(usize) -> Vec3) -> Self {
+        let points: Vec<Vec3> = topology.particles().map(|slot| place(slot as usize)).collect();
+        Self { points_across: UVec2::new(points.len() as u32, 1), points }
+    }
+
     /// The material point at parts of width (from the left) and height (from the top), bilinear between its neighbours.
-    fn at(&self, part: Vec2) -> DVec3 {
+    pub fn at(&self, part: Vec2) -> DVec3 {
         let last = self.points_across - 1;
         let place = (part.as_dvec2() * last.as_dvec2()).clamp(glam::DVec2::ZERO, last.as_dvec2());
         let corner = place.floor().as_uvec2().min(last.saturating_sub(UVec2::ONE));

@@ -8,6 +8,8 @@ use std::f32::consts::FRAC_PI_2;
 use bevy::prelude::*;
 use bevy_cloth::{Cloth, ClothSource, PinSelect, Pins, Resolution};
 
+use crate::select::Selectable;
+
 /// Radius of the bar, m.
 const BAR_RADIUS: f32 = 0.018;
 /// How far the bar stands out at each end, m.
@@ -22,8 +24,22 @@ const CLIP: Vec3 = Vec3::new(0.02, 0.03, 0.014);
 pub const DROP: f32 = 2.0 * RING.0 - BAR_RADIUS + CLIP.y * 0.7;
 
 /// A rod; its curtain is among its children.
-#[derive(Component)]
-struct CurtainRod;
+#[derive(Component, Clone, Copy, Debug)]
+pub struct CurtainRod {
+    /// To which part of the curtain's width its rings are drawn together.
+    pub gather: f32,
+    /// Whether they slide along it.
+    pub slides: bool,
+    /// Vertices in a row of the curtain's mesh, and the height of a row, m.
+    mesh: (u32, f32),
+}
+
+impl CurtainRod {
+    /// How many vertices below a vertex of the top edge the one is that hangs so far (m) under it.
+    pub fn row_below(&self, depth: f32) -> u32 {
+        self.mesh.0 * (depth / self.mesh.1).round().max(1.0) as u32
+    }
+}
 
 /// A part of a rod that is made anew when the curtain's width or pins change.
 #[derive(Component)]
@@ -74,19 +90,11 @@ fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     });
 }
 
-/// Hangs a curtain that is there on a new rod at `place`.
-pub fn hang(commands: &mut Commands, place: Transform, curtain: Entity) -> Entity {
-    commands
-        .spawn((
-            super::OfScene,
-            CurtainRod,
-            Name::new("rod"),
-            crate::select::Selectable(0),
-            place,
-            Visibility::default(),
-        ))
-        .add_child(curtain)
-        .id()
+/// Hangs a curtain that is there on a new rod at `place`; its rings are drawn together to the part `gather` of its width.
+pub fn hang(commands: &mut Commands, place: Transform, curtain: Entity, gather: f32, slides: bool) -> Entity {
+    let rod = CurtainRod { gather, slides, mesh: (1, 1.0) };
+    let rod = (super::OfScene, rod, Name::new("rod"), Selectable(0), place, Visibility::default());
+    commands.spawn(rod).add_child(curtain).id()
 }
 
 /// Makes bar and rings anew for a curtain whose size or pins changed, and hangs it below the bar.
@@ -94,11 +102,12 @@ fn fit(
     mut commands: Commands,
     hardware: Res<Hardware>,
     mut curtains: Query<(&Cloth, &Pins, &ChildOf, &mut Transform), Or<(Changed<Cloth>, Changed<Pins>)>>,
-    rods: Query<&Children, With<CurtainRod>>,
+    mut rods: Query<(&Children, &mut CurtainRod)>,
     fittings: Query<(), With<Fitting>>,
 ) {
     for (cloth, pins, parent, mut transform) in &mut curtains {
-        let (Ok(children), ClothSource::Rectangle { size, resolution }) = (rods.get(parent.parent()), &cloth.source)
+        let (Ok((children, mut rod)), ClothSource::Rectangle { size, resolution }) =
+            (rods.get_mut(parent.parent()), &cloth.source)
         else {
             continue;
         };
@@ -109,6 +118,7 @@ fn fit(
         for child in children.iter().filter(|child| fittings.contains(*child)) {
             commands.entity(child).despawn();
         }
+        rod.mesh = (cells(size.x, *resolution) as u32 + 1, size.y / rows(size.y, *resolution));
         transform.translation.y = -DROP - size.y / 2.0;
         let mut part = |mesh: &Handle<Mesh>, place: Transform| {
             let look = (Mesh3d(mesh.clone()), MeshMaterial3d(hardware.brass.clone()));
@@ -145,6 +155,14 @@ fn pin_places(pins: &Pins, width: f32, resolution: Resolution) -> Vec<f32> {
     let share = |rod: u32, rods: u32| if rods > 1 { rod as f32 / (rods - 1) as f32 } else { 0.5 };
     let rods = rods.unwrap_or(0).min(cells as u32 + 1);
     (0..rods).map(|rod| ((share(rod, rods) * cells).round() / cells - 0.5) * width).collect()
+}
+
+/// The number of rows of cells of the curtain's mesh.
+fn rows(height: f32, resolution: Resolution) -> f32 {
+    match resolution {
+        Resolution::Spacing(spacing) => (height / spacing).round().max(1.0),
+        Resolution::Cells(cells) => cells.y.max(1) as f32,
+    }
 }
 
 /// The number of cells of the curtain's mesh along its width.

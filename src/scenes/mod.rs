@@ -7,6 +7,7 @@ mod finish;
 mod hardware;
 mod moving;
 mod setting;
+mod sliding;
 mod spawn;
 mod viewpoint;
 
@@ -60,7 +61,12 @@ impl Plugin for ScenesPlugin {
         app.init_resource::<Opened>()
             .insert_resource(Shared(coloring))
             .insert_resource(InspectorOpen(self.options.screenshot.is_none() || self.options.ui))
-            .add_plugins((curtain_rod::CurtainRodPlugin, hardware::HardwarePlugin, moving::MovingPlugin))
+            .add_plugins((
+                curtain_rod::CurtainRodPlugin,
+                sliding::SlidingPlugin,
+                hardware::HardwarePlugin,
+                moving::MovingPlugin,
+            ))
             .add_plugins((finish::FinishPlugin, setting::SettingPlugin))
             .add_observer(open_scene)
             .add_observer(reopen)

@@ -132,7 +132,7 @@ fn spawn_cloth(
     match (spec.hardware, &spec.pins[..]) {
         (Hardware::Auto, [ScenePins::Rods(_)]) | (Hardware::SlidingRod, _) => {
             let rod = place * Transform::from_xyz(0.0, spec.size.y / 2.0 + curtain_rod::DROP, 0.0);
-            curtain_rod::hang(commands, rod, entity);
+            curtain_rod::hang(commands, rod, entity, spec.gather, spec.hardware == Hardware::SlidingRod);
         }
         (Hardware::Pegs | Hardware::Rings, _) => {
             commands.entity(entity).insert(Fitted { what: spec.hardware, at: places.collect() });

@@ -134,6 +134,9 @@ pub struct SceneCloth {
     pub substeps: Option<u32>,
     /// How what holds it moves. Default none: it stands.
     pub motion: Option<SceneMotion>,
+    /// To which part of its width the pins of a cloth held by its top are drawn together in the first second, 0.05..=1: then it
+    /// hangs in folds. Default 1.
+    pub gather: f32,
     /// How it looks. Default: a colour that the demo chooses.
     pub look: Option<SceneLook>,
     /// What is seen where it is held. Default [`Hardware::Auto`].
@@ -159,6 +162,7 @@ impl Default for SceneCloth {
             method: None,
             substeps: None,
             motion: None,
+            gather: 1.0,
             look: None,
             hardware: Hardware::default(),
             place: ScenePlace::default(),
@@ -384,6 +388,7 @@ impl SceneCloth {
         if let Some(tearing) = self.tearing {
             ClothError::check("SceneTearing::scale", tearing.scale, f32::MIN_POSITIVE..=1e3, "above 0, up to 1000")?;
         }
+        ClothError::check("SceneCloth::gather", self.gather, 0.05..=1.0, "0.05..=1")?;
         ClothError::check("SceneCloth::outline", self.outline.len() as f32, 0.0..=1e3, "at most 1,000 corners")?;
         for corner in &self.outline {
             for part in corner.to_array() {
@@ -392,6 +397,14 @@ impl SceneCloth {
         }
         self.motion.as_ref().map_or(Ok(()), SceneMotion::validate)?;
         self.look.as_ref().map_or(Ok(()), SceneLook::validate)
+    }
+
+    /// Where a pin that is held at `local` (m, in the cloth's own frame) at rest is moved to at a time, s.
+    pub fn held(&self, local: Vec3, time: f64) -> Pose {
+        let pose = self.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.at(time));
+        let part = time.clamp(0.0, 1.0) as f32;
+        let drawn = (self.gather - 1.0) * part * part * (3.0 - 2.0 * part) * local.x;
+        Pose::new(pose.point(Vec3::X * drawn), pose.rotation)
     }
 
     /// Whether the cell of that column and row (from the top left) belongs to the piece.

@@ -8,7 +8,7 @@ use cloth_solver::damage::fire::{Fire, Surroundings};
 use cloth_solver::forces::GustyWind;
 use cloth_solver::topology::{MeshSource, Resolution};
 use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology, measure};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use crate::fire::SceneFire;
 use crate::scene::{SceneCloth, SceneCollider, ScenePiece, ScenePlace, SceneWeight};
@@ -64,9 +64,11 @@ impl World {
                 let fans = scene.fans.iter().map(|spec| (spec.fan, spec.fan.turned(seen(&spec.place), self.elapsed)));
                 cloth.wind.set_fans(fans, &cloth.contacts.colliders);
             }
-            if let Some(motion) = &spec.motion {
-                let moved = Motion { from: motion.at(before), to: motion.at(self.elapsed) };
-                cloth.constraints.pin_frames_mut().fill(moved);
+            if spec.motion.is_some() || spec.gather < 1.0 {
+                let rest: Vec<Vec3> = cloth.constraints.pins().pins.iter().map(|pin| pin.local).collect();
+                for (local, moved) in rest.iter().zip(cloth.constraints.pin_frames_mut()) {
+                    *moved = Motion { from: spec.held(*local, before), to: spec.held(*local, self.elapsed) };
+                }
             }
             let held = scene.colliders.iter().filter(|collider| collider.mass.is_none());
             for (spec, collider) in held.zip(&mut cloth.contacts.colliders) {
@@ -201,9 +203,20 @@ fn pins(topology: &Topology, spec: &SceneCloth) -> Result<Pins, ClothError> {
     }
     slots.sort_unstable();
     slots.dedup();
-    let pin = |particle: u32| Pin { particle, frame: 0, local: topology.rest[particle as usize] };
-    let frame = spec.motion.as_ref().map_or(Pose::IDENTITY, |motion| motion.at(0.0));
-    Ok(Pins { frames: vec![Motion::at_rest(frame)], pins: slots.into_iter().map(pin).collect() })
+    let moves = spec.motion.is_some() || spec.gather < 1.0;
+    // Where pins move, each has a frame of its own.
+    let frame = |index: usize| if moves { index as u32 } else { 0 };
+    let pin = |(index, particle): (usize, u32)| Pin {
+        particle,
+        frame: frame(index),
+        local: topology.rest[particle as usize],
+    };
+    let pins: Vec<Pin> = slots.into_iter().enumerate().map(pin).collect();
+    let frames = match moves {
+        true => pins.iter().map(|pin| Motion::at_rest(spec.held(pin.local, 0.0))).collect(),
+        false => vec![Motion::default()],
+    };
+    Ok(Pins { frames, pins })
 }
 
 /// The particle at rest nearest to a point of the rectangle.

@@ -41,6 +41,18 @@ pub struct Options {
     #[arg(long, requires = "screenshot")]
     pub ui: bool,
 
+    /// Record every frame of what is played to DIR as frame_00000.png and so on.
+    #[arg(long, value_name = "DIR", conflicts_with = "screenshot")]
+    pub record: Option<PathBuf>,
+
+    /// Frames recorded in a second of simulated time.
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=240), default_value_t = 30, requires = "record")]
+    pub rate: u32,
+
+    /// Simulated time after which recording and program end, in seconds; left out, they go on.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "record")]
+    pub seconds: Option<f32>,
+
     /// Start with the cloth's time standing still.
     #[arg(long)]
     pub paused: bool,

@@ -9,6 +9,9 @@ use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
 
 use crate::help::HelpOpen;
+use crate::menu::MenuOpen;
+use crate::record::TakePicture;
+use crate::scenes::{MENU, OpenScene};
 use crate::select::SelectNeighbor;
 use crate::throw::ThrowBall;
 use crate::tools::{ActiveTool, DeleteSelected, DuplicateSelected, ReopenScene, ResetScene, Tool};
@@ -17,6 +20,8 @@ use crate::tools::{ActiveTool, DeleteSelected, DuplicateSelected, ReopenScene, R
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Action {
     Help,
+    Menu,
+    Picture,
     Pause,
     Step,
     Reset,
@@ -48,8 +53,10 @@ enum With {
 }
 
 /// Every key: code, what is held down with it, name and meaning. Of those with the same code the first that fits holds.
-const BINDINGS: [(KeyCode, With, &str, &str, Action); 18] = [
+const BINDINGS: [(KeyCode, With, &str, &str, Action); 20] = [
     (KeyCode::KeyH, With::Plain, "H", "show or hide this help", Action::Help),
+    (KeyCode::KeyM, With::Plain, "M", "show or hide the scenes; 1 to 9 open one", Action::Menu),
+    (KeyCode::F12, With::Plain, "F12", "take a picture of the window", Action::Picture),
     (KeyCode::Space, With::Plain, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, With::Plain, "N", "one step, then pause", Action::Step),
     (
@@ -78,7 +85,7 @@ const BINDINGS: [(KeyCode, With, &str, &str, Action); 18] = [
     (KeyCode::KeyS, With::Plain, "S", "handles scale the selected object", Action::Scale),
     (KeyCode::KeyD, With::Ctrl, "Ctrl+D", "duplicate the selected object", Action::Duplicate),
     (KeyCode::Delete, With::Plain, "Del", "delete the selected object", Action::Delete),
-    (KeyCode::Escape, With::Plain, "Esc", "close the help, or deselect", Action::Deselect),
+    (KeyCode::Escape, With::Plain, "Esc", "close the scenes or the help, or deselect", Action::Deselect),
 ];
 
 /// Key and meaning, for the help.
@@ -97,7 +104,7 @@ pub struct KeysPlugin;
 impl Plugin for KeysPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(PreUpdate, keep_tab.after(EguiPreUpdateSet::ProcessInput).before(EguiPreUpdateSet::BeginPass))
-            .add_systems(PreUpdate, (act, take_tool).run_if(nothing_is_typed).after(InputSystems));
+            .add_systems(PreUpdate, (act, take_tool, open_by_number).run_if(nothing_is_typed).after(InputSystems));
     }
 }
 
@@ -120,7 +127,7 @@ fn act(
     mut clock: ResMut<Time<ClothClock>>,
     (mut coloring, mut picking): (ResMut<Shared<ClothColoring>>, ResMut<ClothPicking>),
     mut gizmo: ResMut<TransformGizmoSettings>,
-    mut help: ResMut<HelpOpen>,
+    (mut help, mut menu): (ResMut<HelpOpen>, ResMut<MenuOpen>),
     mut inspector: ResMut<InspectorOpen>,
     mut selected: ResMut<Selected>,
     mut fans: Query<&mut Fan>,
@@ -128,6 +135,8 @@ fn act(
     for action in pressed(&keys) {
         match action {
             Action::Help => help.0 = !help.0,
+            Action::Menu => menu.0 = !menu.0,
+            Action::Picture => commands.trigger(TakePicture),
             Action::Pause if clock.is_paused() => clock.unpause(),
             Action::Pause => clock.pause(),
             Action::Step => {
@@ -159,6 +168,7 @@ fn act(
             Action::Previous => commands.trigger(SelectNeighbor::Previous),
             Action::Duplicate => commands.trigger(DuplicateSelected),
             Action::Delete => commands.trigger(DeleteSelected),
+            Action::Deselect if menu.0 => menu.0 = false,
             Action::Deselect if help.0 => help.0 = false,
             Action::Deselect => selected.0 = None,
         }
@@ -182,5 +192,24 @@ fn take_tool(keys: Res<ButtonInput<KeyCode>>, active: Option<ResMut<ActiveTool>>
     let tool = Tool::ALL.into_iter().find(|tool| keys.just_pressed(tool.face().key));
     if let (Some(tool), Some(mut active)) = (tool, active) {
         active.set_if_neq(ActiveTool(tool));
+    }
+}
+
+/// The keys of the numbers, in order from 1.
+const DIGITS: [KeyCode; 9] = [
+    KeyCode::Digit1,
+    KeyCode::Digit2,
+    KeyCode::Digit3,
+    KeyCode::Digit4,
+    KeyCode::Digit5,
+    KeyCode::Digit6,
+    KeyCode::Digit7,
+    KeyCode::Digit8,
+    KeyCode::Digit9,
+];
+
+fn open_by_number(keys: Res<ButtonInput<KeyCode>>, mut commands: Commands) {
+    for (entry, _) in MENU.iter().zip(DIGITS).filter(|(_, key)| keys.just_pressed(*key)) {
+        commands.trigger(OpenScene(entry.scene()));
     }
 }

@@ -6,7 +6,10 @@ mod fans;
 mod help;
 mod keys;
 mod look;
+mod menu;
 mod mouse;
+mod readout;
+mod record;
 mod scenes;
 mod screenshot;
 mod select;
@@ -27,11 +30,16 @@ use clap::Parser;
 fn main() -> AppExit {
     let options = cli::Options::parse();
     let mut app = App::new();
+    let record = record::RecordPlugin {
+        folder: options.record.clone(),
+        rate: f64::from(options.rate),
+        seconds: options.seconds,
+    };
     match &options.screenshot {
         Some(file) => {
             app.add_plugins(screenshot::ScreenshotPlugin { file: file.clone(), at: options.at, size: options.size.0 })
         }
-        None => app.add_plugins(window::WindowedPlugin { size: options.size.0 }),
+        None => app.add_plugins((window::WindowedPlugin { size: options.size.0 }, record)),
     };
     app.add_plugins((
         EguiPlugin::default(),
@@ -43,6 +51,8 @@ fn main() -> AppExit {
         look::LookPlugin,
         shapes::ShapesPlugin,
         fans::FansPlugin,
+        throw::FlightPlugin,
+        readout::ReadoutPlugin,
         scenes::ScenesPlugin { options },
     ));
     app.run()

@@ -7,7 +7,9 @@ use bevy::window::WindowResolution;
 
 use crate::camera::Canvas;
 use crate::tools::ToolsPlugin;
-use crate::{help::HelpPlugin, keys::KeysPlugin, mouse::MousePlugin, select::SelectPlugin, throw::ThrowPlugin};
+use crate::{
+    help::HelpPlugin, keys::KeysPlugin, menu::MenuPlugin, mouse::MousePlugin, select::SelectPlugin, throw::ThrowPlugin,
+};
 
 /// Opens a window of `size` pixels and lets the user take part.
 pub struct WindowedPlugin {
@@ -25,6 +27,6 @@ impl Plugin for WindowedPlugin {
         app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
             .insert_resource(Canvas(RenderTarget::default()))
             .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin))
-            .add_plugins((KeysPlugin, HelpPlugin, ThrowPlugin, ToolsPlugin));
+            .add_plugins((KeysPlugin, HelpPlugin, MenuPlugin, ThrowPlugin, ToolsPlugin));
     }
 }

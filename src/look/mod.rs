@@ -8,6 +8,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{CascadeShadowConfigBuilder, Skybox};
 use bevy::post_process::bloom::{Bloom, BloomCompositeMode, BloomPrefilter};
 use bevy::prelude::*;
+use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use cloth_scene::{SceneView, Setting};
 
 use cubemap::Cubemap;
@@ -19,7 +20,7 @@ const WHITE: f32 = 1000.0;
 /// Light of the sun at noon, lx.
 const SUNLIGHT: f32 = 8500.0;
 /// Edge of a face of the sky that is seen, and of the map its light comes from, texels.
-const FACES: (u32, u32) = (256, 32);
+const FACES: (u32, u32) = (512, 32);
 /// Distances between which the ground fades into the horizon, m; much farther in the open.
 const HAZE: (f32, f32) = (9.0, 30.0);
 /// What is brighter than this many times white glows: fire, and nothing that is lit.
@@ -51,7 +52,14 @@ pub fn eyes() -> impl Bundle {
     (
         Seeing,
         Hdr,
-        Tonemapping::TonyMcMapface,
+        Tonemapping::AgX,
+        // A little more contrast and colour than film: the light of a fine day.
+        ColorGrading {
+            global: ColorGradingGlobal { post_saturation: 1.12, exposure: 0.35, ..default() },
+            midtones: ColorGradingSection { contrast: 1.12, ..default() },
+            shadows: ColorGradingSection { contrast: 1.06, ..default() },
+            ..default()
+        },
         Bloom {
             intensity: 0.12,
             prefilter: BloomPrefilter { threshold: GLOWS, threshold_softness: 0.3 },
@@ -101,7 +109,7 @@ fn show(
     let (diffuse_map, specular_map) = (images.add(diffuse), images.add(glossy));
     let brighter = view.exposure.exp2();
     let fade = match view.setting {
-        Setting::Meadow => Some((25.0, 140.0)),
+        Setting::Meadow => Some((40.0, 260.0)),
         Setting::Plain | Setting::Studio => Some(HAZE),
         Setting::Room => None,
     };

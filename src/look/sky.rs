@@ -149,9 +149,9 @@ impl Sky {
         let around = Vec2::new(at.x, at.z).normalize_or(Vec2::X);
         let mut seen = self.above(at);
         // Two ranges, the farther one higher and paler.
-        for (height, wide, pale, seed) in [(0.085, 3.0, 0.72, 3.0), (0.045, 5.0, 0.45, 19.0)] {
+        for (height, wide, pale, seed) in [(0.085, 3.0, 0.55, 3.0), (0.045, 5.0, 0.28, 19.0)] {
             let ridge = height * (0.35 + fractal(around * wide + seed, 4));
-            let inside = ((ridge - at.y) * 500.0).clamp(0.0, 1.0);
+            let inside = ((ridge - at.y) * 160.0).clamp(0.0, 1.0);
             let wood = Vec3::new(0.10, 0.15, 0.07) * (self.sunlight * 0.9 + self.zenith * 0.6 + self.horizon * 0.3);
             seen = seen.lerp(wood.lerp(self.horizon, pale), inside);
         }
@@ -161,12 +161,12 @@ impl Sky {
     /// A room by day: light walls, a window on the left, a wooden floor.
     fn indoors(&self, at: Vec3) -> Vec3 {
         let outside = self.zenith.lerp(self.horizon, 0.7) * 1.2 + self.sunlight * 0.25;
-        let walls = outside * Vec3::new(0.50, 0.47, 0.43) * 0.62;
-        let floor = outside * Vec3::new(0.30, 0.21, 0.14) * 0.62;
+        let walls = outside * Vec3::new(0.62, 0.585, 0.54);
+        let floor = outside * Vec3::new(0.34, 0.25, 0.17);
         let room = walls.lerp(floor, (-at.y * 2.0).clamp(0.0, 1.0)).lerp(walls * 1.15, at.y.max(0.0));
         let window = |towards: Vec3| ((at.dot(towards) - 0.70) * 5.0).clamp(0.0, 1.0);
         let bright = window(Vec3::new(-0.95, 0.15, 0.30).normalize()).max(0.8 * window(Vec3::new(0.0, 0.12, -1.0)));
-        room.lerp(outside * 2.4, bright)
+        room.lerp(outside * 3.4, bright)
     }
 }
 

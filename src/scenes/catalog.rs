@@ -57,11 +57,6 @@ pub fn names() -> String {
     names.join(", ")
 }
 
-/// A scene of the game.
-pub fn find(name: &str) -> Option<&'static Entry> {
-    MENU.iter().chain(&MORE).find(|entry| entry.name == name)
-}
-
 impl Entry {
     /// The scene. The files of the game are checked by a test; one that is wrong gives an empty scene.
     pub fn scene(&self) -> Box<Scene> {
@@ -71,7 +66,7 @@ impl Entry {
 
 /// The scene of that name, or in the file of that path (`.ron`).
 pub fn open(text: &str) -> Result<Box<Scene>, String> {
-    let ron = match find(text) {
+    let ron = match MENU.iter().chain(&MORE).find(|entry| entry.name == text) {
         Some(entry) => entry.ron.to_string(),
         None if text.ends_with(".ron") => std::fs::read_to_string(text).map_err(|error| error.to_string())?,
         None => {

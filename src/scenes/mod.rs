@@ -6,6 +6,7 @@ mod dress;
 mod finish;
 mod hardware;
 mod moving;
+mod riders;
 mod setting;
 mod sliding;
 mod spawn;
@@ -20,7 +21,7 @@ use crate::camera::Viewpoint;
 use crate::cli::{Coloring, Options};
 use crate::look::View;
 use crate::tools::ReopenScene;
-pub use catalog::{Entry, MENU, SANDBOX, find, names, open};
+pub use catalog::{Entry, MENU, MORE, SANDBOX, names, open};
 pub use curtain_rod::{DROP, Ring};
 pub use finish::paint;
 
@@ -66,6 +67,7 @@ impl Plugin for ScenesPlugin {
                 sliding::SlidingPlugin,
                 hardware::HardwarePlugin,
                 moving::MovingPlugin,
+                riders::RidersPlugin,
             ))
             .add_plugins((finish::FinishPlugin, setting::SettingPlugin))
             .add_observer(open_scene)

@@ -13,9 +13,11 @@ use cloth_scene::{Finish, Hardware, Scene, SceneCloth, SceneFan, ScenePins, Scen
 use super::finish::{Finishes, SOLIDS};
 use super::hardware::Fitted;
 use super::moving::Moving;
+use super::riders::Rider;
 use super::{OfScene, curtain_rod, dress, setting};
 use crate::select::Selectable;
 use crate::shapes::mesh_of;
+use crate::throw::{Ball, ball};
 
 /// How far a match reaches, m.
 const MATCH: f32 = 0.02;
@@ -36,10 +38,26 @@ pub fn spawn(
         let (name, look) = (named(&cloth.name, "cloth", index), dress::look(cloth, index));
         let entity = spawn_cloth(&mut commands, &mut meshes, &scene, cloth, (name, next()));
         commands.entity(entity).insert(look);
+        for weight in &cloth.weights {
+            let Some((form, finish)) = &weight.body else { continue };
+            if let (Some(mesh), Some(material)) = (mesh_of(&shape(form)), finishes.material(*finish)) {
+                let half = half_height(form);
+                let vertex = vertices(cloth, &[weight.at]).first().copied().unwrap_or_default();
+                let rider = Rider { cloth: entity, vertex, half };
+                commands.spawn((OfScene, rider, Mesh3d(meshes.add(mesh)), material, Pickable::IGNORE));
+            }
+        }
     }
     for (index, collider) in scene.colliders.iter().enumerate() {
         let name = named(&collider.name, "collider", index);
         let place = transform(&collider.place.pose());
+        if let (Some(mass), SceneShape::Sphere { radius }) = (collider.mass, &collider.shape) {
+            let finish = collider.finish.unwrap_or(Finish::Paint(SOLIDS[index % SOLIDS.len()]));
+            let material = finishes.material(finish).unwrap_or_default();
+            let at = place.translation;
+            commands.spawn((name, ball(Ball::new(0, at, Vec3::ZERO).of_mass(mass), at, *radius, material)));
+            continue;
+        }
         let mut entity = commands.spawn((OfScene, name, shape(&collider.shape), place, Visibility::default()));
         if collider.shape != SceneShape::Ground {
             let finish = collider.finish.unwrap_or(Finish::Paint(SOLIDS[index % SOLIDS.len()]));
@@ -200,6 +218,20 @@ fn weights(spec: &SceneCloth) -> Weights {
         mass: weight.mass,
     };
     Weights(spec.weights.iter().map(weight).collect())
+}
+
+/// Half the height of what stands on a cloth, m.
+fn half_height(shape: &SceneShape) -> f32 {
+    match *shape {
+        SceneShape::Sphere { radius } => radius,
+        SceneShape::Capsule { radius, length } => radius + length / 2.0,
+        SceneShape::Cuboid { size } | SceneShape::RoundedCuboid { size, .. } => size.y / 2.0,
+        SceneShape::Pyramid { height, .. } | SceneShape::Cylinder { height, .. } | SceneShape::Cone { height, .. } => {
+            height / 2.0
+        }
+        SceneShape::Ellipsoid { radii } => radii.y,
+        SceneShape::Ground => 0.0,
+    }
 }
 
 fn shape(shape: &SceneShape) -> ClothCollider {

@@ -26,6 +26,8 @@ pub struct Ball {
     pub number: u32,
     /// Velocity, m/s.
     pub velocity: Vec3,
+    /// Mass, kg.
+    pub mass: f32,
     /// Where it was one tick ago, m.
     before: Vec3,
     /// Where the last tick left it, m.
@@ -37,7 +39,12 @@ pub struct Ball {
 impl Ball {
     /// A ball that begins to fly at `at` (m) with `velocity` (m/s).
     pub fn new(number: u32, at: Vec3, velocity: Vec3) -> Self {
-        Self { number, velocity, before: at, now: at, push: Vec3::ZERO }
+        Self { number, velocity, mass: MASS, before: at, now: at, push: Vec3::ZERO }
+    }
+
+    /// The same ball with another mass, kg.
+    pub fn of_mass(self, mass: f32) -> Self {
+        Self { mass, ..self }
     }
 
     /// The same ball under another number.
@@ -57,6 +64,7 @@ struct Flyer {
     entity: Entity,
     number: u32,
     radius: f32,
+    mass: f32,
     at: Vec3,
     velocity: Vec3,
     flies: bool,
@@ -94,11 +102,12 @@ pub fn fly(
             // The push between two ticks, half a tick after the mean of the last one: without this, pushes come too late, and
             // a bounce off taut cloth gains a quarter of the ball's energy.
             let push = 1.5 * cloth.force - 0.5 * ball.push;
-            let velocity = if flies { ball.velocity + push / MASS * dt } else { Vec3::ZERO };
+            let velocity = if flies { ball.velocity + push / ball.mass * dt } else { Vec3::ZERO };
             Some(Flyer {
                 entity,
                 number: ball.number,
                 radius,
+                mass: ball.mass,
                 at: place.translation,
                 velocity,
                 flies,
@@ -153,16 +162,16 @@ impl Flyer {
         }
     }
 
-    /// Two balls of the same mass share the bounce.
+    /// Two balls share the bounce, each as much as the other is heavy.
     fn meet_ball(&mut self, other: &mut Self) {
         let apart = self.at - other.at;
         let (distance, normal) = (apart.length(), apart.normalize_or(Vec3::Y));
         if distance < self.radius + other.radius {
             self.at += normal * (self.radius + other.radius - distance);
-            let change = bounce(self.velocity - other.velocity, normal) / 2.0;
-            self.velocity += change;
+            let change = bounce(self.velocity - other.velocity, normal) / (self.mass + other.mass);
+            self.velocity += other.mass * change;
             if other.flies {
-                other.velocity -= change;
+                other.velocity -= self.mass * change;
             }
         }
     }

@@ -51,14 +51,21 @@ impl Default for ThrowSpeed {
 #[derive(Component)]
 struct Body;
 
-/// Throws balls and lets them fly.
+/// Throws balls.
 pub struct ThrowPlugin;
 
 impl Plugin for ThrowPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<ThrowSpeed>()
-            .add_observer(throw)
-            .add_systems(ClothSchedule, flight::fly.before(ClothSystems::Prepare))
+        app.init_resource::<ThrowSpeed>().add_observer(throw);
+    }
+}
+
+/// Lets balls fly, thrown ones and those of a scene.
+pub struct FlightPlugin;
+
+impl Plugin for FlightPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(ClothSchedule, flight::fly.before(ClothSystems::Prepare))
             .add_systems(Update, give_bodies_meshes)
             .add_systems(PostUpdate, place_bodies.after(ClothSystems::Draw));
     }
@@ -81,25 +88,30 @@ fn throw(
     let cursor = windows.single().ok().and_then(Window::cursor_position);
     let aim = cursor.filter(|at| view.contains(*at) && !panels.wants_any_pointer_input()).unwrap_or(view.center());
     let Ok(ray) = camera.viewport_to_world(eye, aim) else { return };
-    let mut known: Vec<_> = balls.iter().map(|(entity, ball)| (ball.number, entity)).collect();
+    let mut known: Vec<_> =
+        balls.iter().filter(|(_, ball)| ball.number > 0).map(|(entity, ball)| (ball.number, entity)).collect();
     known.sort_unstable();
     let surplus = (known.len() + 1).saturating_sub(MOST);
     known.iter().take(surplus).for_each(|(_, oldest)| commands.entity(*oldest).despawn());
     *count += 1;
     let material = material.get_or_insert_with(|| materials.add(paint(COLOR))).clone();
     let at = ray.origin + ray.direction * REACH;
-    commands.spawn((
+    let ball = ball(Ball::new(*count, at, ray.direction * speed.0), at, RADIUS, MeshMaterial3d(material));
+    commands.spawn((Name::new(format!("ball {}", *count)), MadeInPlay, ball));
+}
+
+/// A ball that flies: what scene and tool spawn. One of a scene has the number 0: no thrown one replaces it.
+pub fn ball(ball: Ball, at: Vec3, radius: f32, material: MeshMaterial3d<StandardMaterial>) -> impl Bundle {
+    (
         OfScene,
-        Name::new(format!("ball {}", *count)),
         Selectable(0),
-        MadeInPlay,
-        Ball::new(*count, at, ray.direction * speed.0),
-        ClothCollider::Sphere { radius: RADIUS },
+        ball,
+        ClothCollider::Sphere { radius },
         ClothForce::default(),
         Transform::from_translation(at),
         Visibility::default(),
-        children![(Body, MeshMaterial3d(material))],
-    ));
+        children![(Body, material)],
+    )
 }
 
 /// Gives the body of every new or changed ball the mesh of its shape.

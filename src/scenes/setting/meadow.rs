@@ -11,7 +11,7 @@ use crate::look::{fractal, hash};
 /// Blades of grass, how far they reach from the middle, m, and how long they are, m.
 const BLADES: u32 = 26_000;
 const REACH: f32 = 9.0;
-const LENGTH: (f32, f32) = (0.04, 0.11);
+const LENGTH: (f32, f32) = (0.05, 0.15);
 
 pub(super) fn build(builder: &mut Builder) {
     let base_color_texture = builder.texture(textures::grass());

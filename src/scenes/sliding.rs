@@ -15,7 +15,9 @@ use super::curtain_rod::{CurtainRod, DROP, Ring};
 const FRICTION: f32 = 0.35;
 /// How fast rings are drawn together, and how fast they slide at most, m/s.
 const DRAWN: f32 = 0.5;
-const FASTEST: f32 = 2.0;
+const FASTEST: f32 = 1.5;
+/// How long a ring takes to slip to where friction holds it, s: the cloth below follows it no faster.
+const SLIP: f32 = 0.2;
 /// The least distance of two rings, m.
 const APART: f32 = 0.02;
 /// How far below its edge the cloth tells where it pulls, m.
@@ -93,7 +95,7 @@ fn slide(
                 let below = topology.vertex_particle.get((ring.column + rod.row_below(BELOW)) as usize);
                 let pulled = below.map(|slot| frame.to_world(particles.position.get(*slot as usize)));
                 let from = place.transform_point(Vec3::new(now, -DROP, 0.0));
-                pulled.map_or(now, |at| now + slipped(at - from, *place.right()).clamp(-FASTEST * dt, FASTEST * dt))
+                pulled.map_or(now, |at| now + (slipped(at - from, *place.right()) / SLIP).clamp(-FASTEST, FASTEST) * dt)
             } else {
                 now
             };

@@ -1,10 +1,10 @@
 //! The sandbox: a curtain on a rod, ground, three things to push through the curtain, and a fan to blow at it.
 
 use bevy::prelude::*;
-use bevy_cloth::{Air, Cloth, ClothCollider, Fabric, Fan, Flammable, Pins, Tearable};
+use bevy_cloth::{Air, Cloth, ClothCollider, ClothLook, Fabric, Fan, Flammable, Pins, Tearable};
 
 use super::curtain_rod;
-use super::stage::{glossy, matte, spawn_ground};
+use super::stage::{glossy, spawn_ground};
 use crate::camera::Viewpoint;
 use crate::select::Selectable;
 
@@ -27,7 +27,6 @@ pub fn spawn(
     commands.insert_resource(Viewpoint { from: Vec3::new(1.5, 1.55, 3.9), to: Vec3::new(0.0, 1.05, 0.0) });
     spawn_ground(&mut commands, &mut meshes, &mut materials, Transform::IDENTITY);
 
-    let velvet = materials.add(matte(Color::srgb(0.42, 0.045, 0.085)));
     let curtain = (
         Name::new("curtain"),
         Selectable(1),
@@ -37,7 +36,7 @@ pub fn spawn(
         Air::default(),
         Tearable::default(),
         Flammable::default(),
-        MeshMaterial3d(velvet),
+        ClothLook::velvet(Color::srgb(0.36, 0.03, 0.07)),
     );
     let rod = curtain_rod::spawn(&mut commands, Transform::from_xyz(0.0, ROD_HEIGHT, 0.0), curtain);
     commands.entity(rod).insert((Name::new("rod"), Selectable(2)));

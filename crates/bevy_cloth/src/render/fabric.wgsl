@@ -75,8 +75,8 @@ fn threads_light(in: PbrInput, weft: vec3<f32>, warp: vec3<f32>, sheen: vec3<f32
         let fibres = (2.0 + 1.0 / FIBRE_WIDTH) * pow(sine, 1.0 / FIBRE_WIDTH) / 6.2831853
             / (4.0 * (NdotL + NdotV - NdotL * NdotV));
         // Light glides along threads and spreads across them.
-        let wide = 0.55;
-        let narrow = 0.16;
+        let wide = 0.45;
+        let narrow = 0.13;
         let threads = lighting::D_GGX_anisotropic(wide, narrow, NdotH, dot(weft, H), dot(warp, H))
             * lighting::V_GGX_anisotropic(
                 wide, narrow, NdotL, NdotV, dot(warp, in.V), dot(weft, in.V), dot(weft, L), dot(warp, L));
@@ -102,7 +102,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     if gone {
         discard;
     }
-    let wet = saturate(in.uv_b.y);
+    let wet = smoothstep(0.1, 0.7, in.uv_b.y + 0.5 * step(0.01, in.uv_b.y) * (fine_clouds.g - 0.5));
     let glow = saturate(-in.uv_b.y);
 
     // The frame of the fabric: the weft along u, the warp against v.
@@ -126,7 +126,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Looked at along the warp, more of the weft is seen.
     let along_warp = dot(pbr.V, warp);
     let along_weft = dot(pbr.V, weft);
-    let shot = 0.35 * (along_weft * along_weft - along_warp * along_warp);
+    let shot = 0.35 * fabric.gloss * (along_weft * along_weft - along_warp * along_warp);
     let share = saturate(threads.a + shot);
     var albedo = mix(dye[1], dye[0], share) * in.color.rgb;
     let streak = mix(streak_weft, streak_warp, share) - 0.5;
@@ -160,8 +160,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     var color = apply_pbr_lighting(pbr);
     if sheen > 0.05 || fabric.gloss > 0.3 {
         let smoothness = fabric.gloss * fabric.gloss * (1.0 - char_share);
-        let tint = mix(vec3(1.0), lively / max(max(lively.r, max(lively.g, lively.b)), 0.05), 0.5);
-        let extra = threads_light(pbr, weft, warp, lively * sheen * 0.6, tint * 0.09 * smoothness);
+        let tint = mix(vec3(1.0), lively / max(max(lively.r, max(lively.g, lively.b)), 0.05), 0.65);
+        let extra = threads_light(pbr, weft, warp, lively * sheen * 0.6, tint * 0.14 * smoothness);
         color = vec4(color.rgb + extra, color.a);
     }
     var out: FragmentOutput;

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 /// `StandardMaterial` of the entity is put aside meanwhile. Insert, change and remove it at any time. Out-of-range numbers
 /// are clamped.
 ///
-/// Needs a renderer (Bevy's `PbrPlugin`); without one it does nothing.
+/// Needs a renderer: add [`ClothPlugin`](crate::ClothPlugin) after `DefaultPlugins`. Without a renderer it does nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothLook {
@@ -122,7 +122,7 @@ impl ClothLook {
 
     /// Indigo denim with a white weft.
     pub const DENIM: Self =
-        Self::new(Weave::Twill, Color::srgb(0.13, 0.19, 0.34)).with_second(Color::srgb(0.80, 0.80, 0.78));
+        Self::new(Weave::Twill, Color::srgb(0.10, 0.17, 0.38)).with_second(Color::srgb(0.40, 0.44, 0.50));
 
     /// Silk charmeuse.
     pub const fn silk(color: Color) -> Self {

@@ -60,6 +60,9 @@ impl ClothColoring {
 
 /// Adds the systems of this folder.
 pub(crate) fn plugin(app: &mut App) {
+    if app.is_plugin_added::<PbrPlugin>() {
+        add_look_material(app);
+    }
     app.init_resource::<Shared<ClothColoring>>()
         .register_type::<ClothColoring>()
         .register_type::<Shared<ClothColoring>>()
@@ -95,13 +98,17 @@ pub(crate) fn plugin(app: &mut App) {
         );
 }
 
-/// Adds what a renderer needs to draw a [`ClothLook`], once all plugins are there.
-pub(crate) fn finish(app: &mut App) {
-    if !app.is_plugin_added::<PbrPlugin>() {
-        return;
-    }
+/// Adds what a renderer needs to draw a [`ClothLook`].
+fn add_look_material(app: &mut App) {
     load_shader_library!(app, "fabric_types.wgsl");
     bevy::asset::embedded_asset!(app, "fabric.wgsl");
     bevy::asset::embedded_asset!(app, "fabric_prepass.wgsl");
     app.add_plugins(MaterialPlugin::<ClothMaterial>::default());
+}
+
+/// Warns if the renderer came too late to draw a [`ClothLook`].
+pub(crate) fn finish(app: &mut App) {
+    if app.is_plugin_added::<PbrPlugin>() && !app.world().contains_resource::<Assets<ClothMaterial>>() {
+        warn!("`ClothLook` has no effect: add `ClothPlugin` after `DefaultPlugins`");
+    }
 }

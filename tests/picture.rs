@@ -20,7 +20,9 @@ use bevy::tasks::block_on;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_cloth::{Cloth, ClothFlames, ClothPlugin, Flammable, IgniteCloth, Pins};
+use bevy_cloth::{
+    Cloth, ClothColoring, ClothFlames, ClothLook, ClothPlugin, CutCloth, Flammable, IgniteCloth, Pattern, Pins,
+};
 
 const WIDTH: u32 = 320;
 const HEIGHT: u32 = 240;
@@ -87,25 +89,75 @@ fn flames_are_seen_and_light_the_cloth() {
     assert!(lit > 1.5 * unlit.max(0.001), "by its flames {lit}, without {unlit}");
 }
 
+/// With pipelines compiled in the background, as games have them: what needs another pipeline is not drawn until that is there.
+#[test]
+fn cloth_is_seen_in_every_frame_whatever_happens_to_it() {
+    for look in [None, Some(ClothLook::velvet(Color::srgb(0.0, 0.6, 0.0)))] {
+        let mut studio = Studio::filmed(Pins::top());
+        let world = studio.app.world_mut();
+        let cloth = world.query_filtered::<Entity, With<Cloth>>().single(world).expect("a cloth");
+        world.entity_mut(cloth).insert(Flammable::default());
+        if let Some(look) = look {
+            world.entity_mut(cloth).insert(look);
+        }
+        studio.film_until_seen();
+        studio.set_frame(Duration::from_secs_f64(1.0 / 60.0));
+        let ray = |x: f32| Ray3d::new(Vec3::new(x, 0.2, 1.0), Dir3::NEG_Z);
+        let happens: [(&str, &dyn Fn(&mut World)); 6] = [
+            ("its colours tell stress", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Stress))),
+            ("its colours tell speed", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Speed))),
+            ("its material is shown again", &|world| drop(world.entity_mut(cloth).remove::<ClothColoring>())),
+            ("it is cut", &|world| {
+                world.trigger(CutCloth { entity: cloth, from: ray(-0.6), to: ray(0.1), reach: 2.0 });
+            }),
+            ("it burns", &|world| {
+                let position = Vec3::new(0.3, -0.4, 0.0);
+                world.trigger(IgniteCloth { entity: cloth, position, radius: 0.05 });
+            }),
+            ("its look changes, if it has one", &|world| {
+                if let Some(mut look) = world.get_mut::<ClothLook>(cloth) {
+                    *look = ClothLook { pattern: Pattern::Check { width: 0.1 }, ..ClothLook::voile(Color::WHITE) };
+                }
+            }),
+        ];
+        for (what, happen) in happens {
+            happen(studio.app.world_mut());
+            for (frame, picture) in studio.film(8).iter().enumerate() {
+                let seen = picture.seen_share();
+                assert!(seen > 0.9, "{look:?}: when {what}, {seen} of it is seen in frame {frame} after that");
+            }
+        }
+    }
+}
+
 /// A cloth, a lamp and a camera, without a window.
 struct Studio {
     app: App,
     target: Handle<Image>,
 }
 
-/// The picture that arrived last.
+/// The pictures that arrived.
 #[derive(Resource, Default)]
-struct Arrived(Option<Image>);
+struct Arrived(Vec<Image>);
 
 impl Studio {
     fn new(pins: Pins) -> Self {
+        Self::with(pins, true)
+    }
+
+    /// With pipelines compiled in the background.
+    fn filmed(pins: Pins) -> Self {
+        Self::with(pins, false)
+    }
+
+    fn with(pins: Pins, synchronous_pipeline_compilation: bool) -> Self {
         let mut app = App::new();
         app.add_plugins((
             DefaultPlugins
                 .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
                 .set(RenderPlugin {
                     render_creation: RenderCreation::Manual(renderer()),
-                    synchronous_pipeline_compilation: true,
+                    synchronous_pipeline_compilation,
                     ..default()
                 })
                 .disable::<WinitPlugin>()
@@ -152,17 +204,38 @@ impl Studio {
         for _ in 0..WARM_UP_FRAMES {
             self.app.update();
         }
+        self.film(1).remove(0)
+    }
+
+    /// What is seen in the next frames.
+    fn film(&mut self, frames: usize) -> Vec<Picture> {
         let arrive = |captured: On<ScreenshotCaptured>, mut arrived: ResMut<Arrived>| {
-            arrived.0 = Some(captured.image.clone());
+            arrived.0.push(captured.image.clone());
         };
-        self.app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(arrive);
-        for _ in 0..1000 {
+        for _ in 0..frames {
+            self.app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(arrive);
             self.app.update();
-            if let Some(image) = self.app.world_mut().resource_mut::<Arrived>().0.take() {
-                return Picture::read(&image);
+        }
+        for _ in 0..1000 {
+            let arrived = &mut self.app.world_mut().resource_mut::<Arrived>().0;
+            if arrived.len() == frames {
+                return arrived.drain(..).map(|image| Picture::read(&image)).collect();
             }
+            self.app.update();
         }
         panic!("no picture arrived from the renderer");
+    }
+
+    /// Waits until the pipelines of what is in sight are compiled.
+    fn film_until_seen(&mut self) {
+        self.picture(FRONT, FRONT);
+        for _ in 0..600 {
+            if self.film(1)[0].seen_share() > 0.9 {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("the cloth is never seen");
     }
 
     fn set_frame(&mut self, length: Duration) {
@@ -181,8 +254,9 @@ fn renderer() -> RenderResources {
     )
 }
 
-/// Which pixels are green or of the colours of fire, and how bright their green is, row by row from the top left.
+/// Which pixels are not black, green or of the colours of fire, and how bright their green is, row by row from the top left.
 struct Picture {
+    is_seen: Vec<bool>,
     is_green: Vec<bool>,
     is_warm: Vec<bool>,
     brightness: Vec<f32>,
@@ -195,6 +269,7 @@ impl Picture {
             .map(|(x, y)| image.get_color_at(x, y).expect("a readable pixel").to_linear())
             .collect();
         Self {
+            is_seen: colors.iter().map(|c| c.red.max(c.green).max(c.blue) > 0.001).collect(),
             is_green: colors.iter().map(|c| c.green > 0.002 && c.green > 3.0 * c.red.max(c.blue)).collect(),
             is_warm: colors.iter().map(|c| c.red > 0.05 && c.red > c.green && c.green > c.blue).collect(),
             brightness: colors.iter().map(|c| c.green).collect(),
@@ -213,6 +288,20 @@ impl Picture {
         chosen.iter().filter(|green| **green).count() as f32 / chosen.len() as f32
     }
 
+    /// The share of pixels that are not black where the cloth is.
+    fn seen_share(&self) -> f32 {
+        let seen = self.middle().filter(|i| self.is_seen[*i]).count();
+        seen as f32 / self.middle().count() as f32
+    }
+
+    /// The pixels in the middle of the picture, where the cloth is.
+    fn middle(&self) -> impl Iterator<Item = usize> {
+        (0..self.is_seen.len()).filter(|i| {
+            (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) < 30
+                && (i / WIDTH as usize).abs_diff(HEIGHT as usize / 2) < 30
+        })
+    }
+
     /// Number of pixels that are red to yellow.
     fn warm_pixels(&self) -> usize {
         self.is_warm.iter().filter(|is_warm| **is_warm).count()
@@ -220,11 +309,7 @@ impl Picture {
 
     /// Mean linear brightness of the middle of the picture, where the cloth is.
     fn brightness_of_cloth(&self) -> f32 {
-        let middle = |i: &usize| {
-            (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) < 30
-                && (i / WIDTH as usize).abs_diff(HEIGHT as usize / 2) < 30
-        };
-        let pixels: Vec<f32> = (0..self.brightness.len()).filter(middle).map(|i| self.brightness[i]).collect();
+        let pixels: Vec<f32> = self.middle().map(|i| self.brightness[i]).collect();
         pixels.iter().sum::<f32>() / pixels.len() as f32
     }
 }

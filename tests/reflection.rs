@@ -33,6 +33,7 @@ fn every_authored_component_is_registered_with_its_default() {
         "cloth_solver::method::Method",
         "bevy_cloth::settings::Grabs",
         "bevy_cloth::render::ClothColoring",
+        "bevy_cloth::render::look::ClothLook",
         "bevy_cloth::stats::ClothStats",
         "bevy_cloth::teleport::Teleport",
         "bevy_cloth::sleep::ClothSleep",

@@ -1,7 +1,7 @@
 //! The scenes of the demo and how one is opened.
 
 mod catalog;
-mod curtain_rod;
+pub mod curtain_rod;
 mod file;
 mod sandbox;
 mod stage;
@@ -11,7 +11,6 @@ use bevy::prelude::*;
 use bevy_cloth::{ClothClock, ClothColoring, ClothTime, Shared};
 use bevy_cloth_inspector::InspectorOpen;
 pub use catalog::{SANDBOX, Scene, names, open};
-pub use curtain_rod::{DROP, Ring};
 pub use stage::glossy;
 
 /// Opens the scene that was asked for.

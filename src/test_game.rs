@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
+use bevy::camera::visibility::calculate_bounds;
 use bevy::camera::{CameraProjection, RenderTargetInfo};
 use bevy::gizmos::transform_gizmo::TransformGizmoPlugin;
 use bevy::input::keyboard::{Key, KeyboardInput};
-use bevy::input::mouse::MouseButtonInput;
+use bevy::input::mouse::{MouseButtonInput, MouseScrollUnit, MouseWheel};
+use bevy::input::touch::TouchPhase;
 use bevy::input::{ButtonState, InputPlugin};
 use bevy::picking::DefaultPickingPlugins;
 use bevy::prelude::*;
@@ -15,9 +17,11 @@ use bevy_cloth::*;
 use bevy_cloth_inspector::{Hovered, InspectorOpen, PanelWidth, Selected};
 use bevy_egui::input::EguiWantsInput;
 
+use crate::fans::FansPlugin;
 use crate::help::HelpOpen;
 use crate::keys::KeysPlugin;
 use crate::mouse::MousePlugin;
+use crate::scenes::curtain_rod::CurtainRodPlugin;
 use crate::select::SelectPlugin;
 use crate::shapes::ShapesPlugin;
 use crate::throw::ThrowPlugin;
@@ -60,8 +64,18 @@ impl Game {
             .init_resource::<Selected>()
             .init_resource::<Hovered>()
             .insert_resource(TimeUpdateStrategy::ManualDuration(TICK * ticks))
-            .add_plugins((ClothPlugin::default(), ShapesPlugin, MousePlugin, SelectPlugin, KeysPlugin))
+            .add_plugins((
+                ClothPlugin::default(),
+                ShapesPlugin,
+                FansPlugin,
+                CurtainRodPlugin,
+                MousePlugin,
+                SelectPlugin,
+                KeysPlugin,
+            ))
             .add_plugins((ThrowPlugin, ToolsPlugin));
+        // Mesh picking needs what the renderer adds to a mesh.
+        app.add_systems(PostUpdate, calculate_bounds).register_required_components::<Mesh3d, Visibility>();
         // Without a renderer nothing is ever visible in a view.
         app.world_mut().resource_mut::<MeshPickingSettings>().ray_cast_visibility = RayCastVisibility::Any;
         let mut camera = Camera::default();
@@ -114,6 +128,14 @@ impl Game {
     /// Releases the left button.
     pub fn release_left(&mut self) {
         self.button(MouseButton::Left, ButtonState::Released);
+    }
+
+    /// Turns the wheel of the mouse by so many notches.
+    pub fn turn_wheel(&mut self, notches: f32) {
+        let (unit, phase) = (MouseScrollUnit::Line, TouchPhase::Moved);
+        let wheel = MouseWheel { unit, x: 0.0, y: notches, window: self.window, phase };
+        self.app.world_mut().write_message(wheel);
+        self.app.update();
     }
 
     /// Clicks at a pixel.

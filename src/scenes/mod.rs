@@ -1,7 +1,7 @@
 //! The scenes of the demo and how one is opened.
 
 mod catalog;
-mod curtain_rod;
+pub mod curtain_rod;
 mod dress;
 mod finish;
 mod hardware;
@@ -22,7 +22,6 @@ use crate::cli::{Coloring, Options};
 use crate::look::View;
 use crate::tools::ReopenScene;
 pub use catalog::{Entry, MENU, MORE, SANDBOX, names, open};
-pub use curtain_rod::{DROP, Ring};
 pub use finish::paint;
 
 /// Opens scenes, first of all the one that was asked for.

@@ -45,7 +45,7 @@ fn show_row(mut contexts: EguiContexts, mut active: ResMut<ActiveTool>, panel: R
                 for tool in Tool::ALL {
                     let Face { icon, name, key_name, hint, .. } = tool.face();
                     let icon = egui::RichText::new(icon).size(ICON).color(egui::Color32::WHITE);
-                    let key = egui::RichText::new(key_name).small().color(KEYS);
+                    let key = egui::RichText::new(key_name).size(11.0).color(KEYS);
                     let button = egui::Button::selectable(chosen == tool, (icon, key));
                     if ui.add(button).on_hover_text(format!("{name}: {hint}")).clicked() {
                         chosen = tool;

@@ -8,7 +8,7 @@ use bevy_cloth::{ParticlePins, PinTarget};
 use crate::scenes::paint;
 
 /// Radius of a pin's head, m.
-const HEAD: f32 = 0.013;
+const HEAD: f32 = 0.018;
 /// Its colour.
 const COLOR: Color = Color::srgb(0.95, 0.20, 0.12);
 

@@ -13,7 +13,7 @@
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
-//! - [Drawing](#drawing): `ClothColoring`, `ClothFlames`
+//! - [Drawing](#drawing): `ClothLook`, `ClothColoring`, `ClothFlames`
 //! - [Picking](#picking): `ClothPicking`, [`Grabs`]
 //! - [Features](#features)
 //!
@@ -100,6 +100,7 @@
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
 //! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
 //!
 //! # Picking
@@ -164,7 +165,7 @@ pub use events::{
 pub use picking::{ClothHit, ClothPicking, FireTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
-pub use render::{ClothColoring, ClothFlames};
+pub use render::{ClothColoring, ClothFlames, ClothLook, Pattern, Weave};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use sleep::{ClothAsleep, ClothSleep, WakeCause};

@@ -137,6 +137,11 @@ impl Plugin for ClothPlugin {
         #[cfg(feature = "picking")]
         crate::picking::plugin(app);
     }
+
+    #[cfg(feature = "render")]
+    fn finish(&self, app: &mut App) {
+        crate::render::finish(app);
+    }
 }
 
 fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {

@@ -58,7 +58,7 @@ impl WholeItem<'_, '_> {
             fire.follow(&now, change);
             fire.take_toll(&now, &mut self.particles, &mut self.constraints);
         }
-        if !change.vertices.is_empty() {
+        if !(change.vertices.is_empty() && change.born.is_empty()) {
             Arc::make_mut(&mut self.skin.0).follow(change);
         }
         if let Some(grabs) = &mut self.grabs {

@@ -8,7 +8,7 @@ use cloth_solver::{ClothError, Topology};
 use crate::cloth::ClothSource;
 use crate::damage::ATTRIBUTE_STRENGTH;
 
-/// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex.
+/// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex, unless said otherwise.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Skin {
     /// Texture coordinates, or empty.
@@ -17,11 +17,22 @@ pub(crate) struct Skin {
     pub colors: Vec<[f32; 4]>,
     /// Factors on the strength, or empty.
     pub strength: Vec<f32>,
+    /// For each slot whether it lies on the border that the whole cloth had.
+    #[cfg(feature = "render")]
+    pub hem: Vec<bool>,
 }
 
 impl Skin {
-    /// Takes over render vertices that were born when the cloth was taken apart.
+    /// Updates the skin after a topology change: adds vertices and particles that are new.
     pub fn follow(&mut self, change: &Change) {
+        #[cfg(feature = "render")]
+        {
+            self.hem.resize(change.slots, false);
+            for born in &change.born {
+                let [a, b] = born.parents.map(|slot| self.hem[slot as usize]);
+                self.hem[born.slot as usize] = a && b;
+            }
+        }
         for born in &change.vertices {
             let [a, b] = born.parents.map(|vertex| vertex as usize);
             if let (Some(from), Some(to)) = (self.uvs.get(a), self.uvs.get(b)) {
@@ -39,7 +50,7 @@ impl Skin {
 
 /// Topology and skin of `source` under `scale`. `mesh` is needed for [`ClothSource::Mesh`].
 pub(crate) fn shape(source: &ClothSource, scale: Vec3, mesh: Option<&Mesh>) -> Result<(Topology, Skin), ClothError> {
-    match (source, mesh) {
+    let shape = match (source, mesh) {
         (ClothSource::Rectangle { size, resolution }, _) => {
             // The sign is kept out: a mirrored flat rectangle is the same rectangle.
             let topology = Topology::rectangle(*size * scale.truncate().abs(), *resolution)?;
@@ -48,7 +59,13 @@ pub(crate) fn shape(source: &ClothSource, scale: Vec3, mesh: Option<&Mesh>) -> R
         }
         (ClothSource::Mesh, Some(mesh)) => from_mesh(mesh, scale),
         (ClothSource::Mesh, None) => Err(ClothError::NoTriangles { field: "ClothSource::Mesh" }),
-    }
+    };
+    #[cfg(feature = "render")]
+    let shape = shape.map(|(topology, skin)| {
+        let hem = crate::render::hem(&topology);
+        (topology, Skin { hem, ..skin })
+    });
+    shape
 }
 
 fn rectangle_skin(topology: &Topology) -> Skin {
@@ -114,5 +131,5 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         Ok(Some(VertexAttributeValues::Float32(strength))) => strength.clone(),
         _ => Vec::new(),
     };
-    Ok((topology, Skin { uvs, colors, strength }))
+    Ok((topology, Skin { uvs, colors, strength, ..Skin::default() }))
 }

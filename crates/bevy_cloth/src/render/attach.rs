@@ -8,23 +8,25 @@ use bevy::prelude::*;
 use cloth_solver::Topology;
 
 use super::write::Drawing;
-use super::{flames, material};
+use super::{flames, look_material, material, wear};
 use crate::cloth::ClothTopology;
-use crate::prepare::{ClothSkin, DrawnMesh, Skin};
+use crate::damage::ClothPieces;
+use crate::prepare::{ClothSkin, DrawnMesh};
 
 /// Makes the mesh of every cloth that has none or was built anew, and puts it on the entity.
 pub(crate) fn attach(
-    cloths: Query<(Entity, Ref<ClothTopology>, &ClothSkin)>,
+    cloths: Query<(Entity, Ref<ClothTopology>, &ClothSkin, Has<ClothPieces>)>,
     mut drawn: Query<(&mut DrawnMesh, &mut Drawing)>,
     on_entity: Query<&Mesh3d>,
     cloned: Query<&DrawnMesh, Without<Drawing>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut commands: Commands,
 ) {
-    for (entity, topology, skin) in &cloths {
+    for (entity, topology, skin, in_pieces) in &cloths {
         let shown = on_entity.get(entity).ok();
         let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
-            let handle = meshes.add(two_sided(&topology, &skin.0));
+            let uvs = wear::uvs(&topology, &skin.0);
+            let handle = meshes.add(two_sided(&topology, &uvs));
             // A clone still shows the mesh of the cloth it was cloned from.
             let original = cloned.get(entity).ok().filter(|of| shown.is_some_and(|shown| shown.0 == of.drawn));
             let source = original.map_or_else(|| shown.map(|mesh| mesh.0.clone()), |original| original.source.clone());
@@ -32,7 +34,7 @@ pub(crate) fn attach(
             commands.entity(entity).try_insert((
                 Mesh3d(handle),
                 mesh,
-                Drawing::new(&topology, &skin.0),
+                Drawing::new(&topology, &skin.0, &uvs, None),
                 Aabb::default(),
                 NoAutoAabb,
             ));
@@ -42,10 +44,13 @@ pub(crate) fn attach(
             continue;
         };
         if topology.is_changed() {
-            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(&topology, &skin.0)) {
+            let uvs = wear::uvs(&topology, &skin.0);
+            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(&topology, &uvs)) {
                 error!("the mesh of cloth {entity} could not be replaced: {error}");
             }
-            *drawing = Drawing::new(&topology, &skin.0);
+            // What is burnt or torn away does not change the scale of what is left.
+            let metres = in_pieces.then_some(drawing.metres());
+            *drawing = Drawing::new(&topology, &skin.0, &uvs, metres);
         }
         if shown.is_none_or(|shown| shown.0 != mesh.drawn) {
             // The user gave the entity another mesh: remember it, and go on drawing the cloth.
@@ -58,23 +63,23 @@ pub(crate) fn attach(
 }
 
 /// A mesh with front and back of `topology` as separate vertices: first all of the front, then all of the back. Positions,
-/// normals and tangents are still to be written.
-fn two_sided(topology: &Topology, skin: &Skin) -> Mesh {
+/// normals and tangents are still to be written. Colours and the second texture coordinates (what fire and water did) are
+/// there from the beginning: a mesh of another layout would need another pipeline, and vanish until that is compiled.
+fn two_sided(topology: &Topology, uvs: &[Vec2]) -> Mesh {
     let vertices = topology.vertex_particle.len();
     let back = |vertex: u32| vertex + vertices as u32;
     let triangles = &topology.triangle_vertices;
     let front_and_back = triangles.iter().copied();
     let front_and_back = front_and_back.chain(triangles.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
-    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+    let uvs: Vec<[f32; 2]> = uvs.iter().chain(uvs).map(Vec2::to_array).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; 2 * vertices])
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 2 * vertices])
-        .with_inserted_indices(Indices::U32(front_and_back.flatten().collect()));
-    if skin.uvs.len() == vertices {
-        let uvs: Vec<[f32; 2]> = skin.uvs.iter().chain(&skin.uvs).map(Vec2::to_array).collect();
-        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
-        mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; 2 * vertices]);
-    }
-    mesh
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0; 2]; 2 * vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; 2 * vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[1.0; 4]; 2 * vertices])
+        .with_inserted_indices(Indices::U32(front_and_back.flatten().collect()))
 }
 
 /// Takes off the entity what was put on to draw the cloth, and gives it back its own mesh.
@@ -88,5 +93,6 @@ pub(crate) fn undraw(entity: &mut EntityWorldMut) {
             None => entity.remove::<Mesh3d>(),
         };
     }
+    look_material::take_back(entity);
     material::take_back(entity);
 }

@@ -3,11 +3,11 @@
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::contact::Contacts;
-use cloth_solver::damage::fire::{FLAME_TEMPERATURE, ROOM_TEMPERATURE, Stage};
+use cloth_solver::damage::fire::{FLAME_TEMPERATURE, Fire, ROOM_TEMPERATURE, Stage};
 use cloth_solver::{Fabric, Particles, Topology, measure};
 
 use super::ClothColoring;
-use super::material::StressColors;
+use super::wear;
 use crate::damage::{ClothFire, TearState, Tearable};
 
 /// Speed that is shown as the largest, m/s: of a fall from 1.3 m.
@@ -31,9 +31,10 @@ impl ToldItem<'_, '_> {
         self.fire.as_ref().is_some_and(|fire| fire.is_warm() || fire.is_changed())
     }
 
-    /// Whether the material's own colours are to be seen as they are.
-    pub fn is_sound(&self) -> bool {
-        self.fire.as_ref().is_none_or(|fire| !fire.scarred)
+    /// What has become of the cloth by fire and water.
+    pub fn fire(&self) -> Option<&Fire> {
+        let fire: &ClothFire = self.fire.as_ref()?;
+        Some(fire)
     }
 
     /// Fills `shares`, one for each slot, with what `coloring` tells: 0 where nothing is, 1 at its limit.
@@ -82,7 +83,8 @@ impl ToldItem<'_, '_> {
         }
     }
 
-    /// What fire makes of `color` at a particle: brown, black, and at the rim of a hole glowing.
+    /// What fire and water make of `color` at a particle: brown, black, at the rim of a hole glowing; and dark where it is
+    /// wet.
     pub fn scorched(&self, slot: u32, color: [f32; 4]) -> [f32; 4] {
         let Some(fire) = &self.fire else { return color };
         let at = slot as usize;
@@ -90,28 +92,14 @@ impl ToldItem<'_, '_> {
         // Brown takes the blue first, char all but a twentieth.
         let brown = [1.0 - 0.45 * scorch, 1.0 - 0.7 * scorch, 1.0 - 0.85 * scorch];
         let black = 1.0 - 0.95 * (3.0 * char).min(1.0);
+        let [_, wet] = wear::burn_and_wet(Some(fire), slot);
         let mut burnt = color;
         for axis in 0..3 {
-            burnt[axis] *= brown[axis] * black;
+            burnt[axis] *= brown[axis] * black * (1.0 - 0.45 * wet.max(0.0));
         }
         if fire.stage(slot) == Stage::Ember && fire.temperature()[at] > 600.0 {
             burnt[..3].copy_from_slice(&EMBER);
         }
         burnt
-    }
-
-    /// The colour of one vertex.
-    pub fn color(
-        &self,
-        coloring: ClothColoring,
-        slot: u32,
-        own: [f32; 4],
-        shares: &[f32],
-        colors: &StressColors,
-    ) -> [f32; 4] {
-        match coloring {
-            ClothColoring::Material => self.scorched(slot, own),
-            _ => colors.at(shares[slot as usize]),
-        }
     }
 }

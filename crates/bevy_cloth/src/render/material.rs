@@ -1,38 +1,52 @@
-//! Materials: one for a cloth that has none, and a white one under colours that tell something.
+//! Standard materials: one for a cloth that has none, and white ones under colours that tell something.
 
 use bevy::color::ColorCurve;
 use bevy::math::curve::Curve;
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::*;
 
-use super::ClothColoring;
+use super::{ClothColoring, look_material};
 use crate::prepare::DrawnMesh;
 use crate::settings::Shared;
 
 /// How every Bevy material component is called, whatever its material.
 const MATERIAL_COMPONENT: &str = "bevy_pbr::mesh_material::MeshMaterial3d<";
 
-/// The materials of this crate. Kept while the app runs.
+/// The material of cloth that has none: unbleached cotton. Kept while the app runs.
 #[derive(Resource, Clone, Debug)]
-pub(crate) struct ClothMaterials {
-    /// For a cloth without a material: unbleached cotton.
-    plain: Handle<StandardMaterial>,
-    /// Under colours that tell something.
-    white: Handle<StandardMaterial>,
-}
+pub(crate) struct PlainMaterial(Handle<StandardMaterial>);
 
-impl FromWorld for ClothMaterials {
+impl FromWorld for PlainMaterial {
     fn from_world(world: &mut World) -> Self {
-        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-        let matt = |base_color| StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() };
-        Self { plain: materials.add(matt(Color::srgb(0.93, 0.91, 0.86))), white: materials.add(matt(Color::WHITE)) }
+        let base_color = Color::srgb(0.93, 0.91, 0.86);
+        let plain = StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() };
+        Self(world.resource_mut::<Assets<StandardMaterial>>().add(plain))
     }
 }
 
-/// The material a cloth had before it was coloured.
+/// The material a cloth had before it was coloured, and the one it shows meanwhile.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct Uncolored(Handle<StandardMaterial>);
+pub(crate) struct Uncolored {
+    own: Handle<StandardMaterial>,
+    white: Handle<StandardMaterial>,
+}
+
+/// `own` without any colour, for vertex colours that are to be seen as they are.
+///
+/// It differs only in values, so that the same pipeline draws it: a cloth whose pipeline is yet to be compiled is not seen.
+fn whitened(own: &StandardMaterial) -> StandardMaterial {
+    StandardMaterial {
+        base_color: Color::WHITE.with_alpha(own.base_color.alpha()),
+        base_color_texture: None,
+        emissive: LinearRgba::BLACK,
+        emissive_texture: None,
+        metallic: 0.0,
+        perceptual_roughness: 0.9,
+        metallic_roughness_texture: None,
+        ..own.clone()
+    }
+}
 
 /// The cloth had no material and was given one.
 #[derive(Component, Clone, Debug)]
@@ -41,11 +55,12 @@ pub(crate) struct GivenMaterial;
 
 /// Gives `entity` a material if it has none of any kind.
 pub(crate) fn give_default(world: &mut World, entity: Entity) {
-    if !world.contains_resource::<Assets<StandardMaterial>>() || has_material(world, entity) {
+    let is_dressed = look_material::dresses(world, entity);
+    if is_dressed || !world.contains_resource::<Assets<StandardMaterial>>() || has_material(world, entity) {
         return;
     }
-    world.init_resource::<ClothMaterials>();
-    let plain = world.resource::<ClothMaterials>().plain.clone();
+    world.init_resource::<PlainMaterial>();
+    let plain = world.resource::<PlainMaterial>().0.clone();
     if let Ok(mut entity) = world.get_entity_mut(entity) {
         entity.insert((MeshMaterial3d(plain), GivenMaterial));
     }
@@ -64,33 +79,31 @@ fn has_material(world: &World, entity: Entity) -> bool {
     })
 }
 
-/// Puts the white material under clothes whose colours tell something, and their own back when they no longer do.
+/// Puts a white material under cloths whose colours tell something, and their own back when they no longer do.
 pub(crate) fn color(
     mut cloths: Query<
         (Entity, &mut MeshMaterial3d<StandardMaterial>, Option<&ClothColoring>, Option<&Uncolored>),
         With<DrawnMesh>,
     >,
     shared: Res<Shared<ClothColoring>>,
-    materials: Option<Res<ClothMaterials>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    let Some(materials) = materials else {
-        commands.init_resource::<ClothMaterials>();
-        return;
-    };
     for (entity, mut material, coloring, uncolored) in &mut cloths {
-        let white = material.0 == materials.white;
-        match (coloring.unwrap_or(&shared), uncolored) {
-            (ClothColoring::Material, Some(own)) => {
-                if white {
-                    material.0 = own.0.clone();
+        let tells = *coloring.unwrap_or(&shared) != ClothColoring::Material;
+        match uncolored {
+            Some(known) if !tells => {
+                if material.0 == known.white {
+                    material.0 = known.own.clone();
                 }
                 commands.entity(entity).try_remove::<Uncolored>();
             }
-            (ClothColoring::Material, None) => {}
-            _ if !white => {
-                commands.entity(entity).try_insert(Uncolored(material.0.clone()));
-                material.0 = materials.white.clone();
+            Some(known) if material.0 == known.white => {}
+            _ if tells => {
+                let white = materials.get(&material.0).map(whitened).unwrap_or_default();
+                let white = materials.add(white);
+                commands.entity(entity).try_insert(Uncolored { own: material.0.clone(), white: white.clone() });
+                material.0 = white;
             }
             _ => {}
         }
@@ -99,10 +112,15 @@ pub(crate) fn color(
 
 /// Undoes what was done to the entity's material.
 pub(crate) fn take_back(entity: &mut EntityWorldMut) {
-    if let Some(own) = entity.take::<Uncolored>() {
-        entity.insert(MeshMaterial3d(own.0));
+    if let Some(known) = entity.take::<Uncolored>() {
+        entity.insert(MeshMaterial3d(known.own));
     }
-    let plain = entity.get_resource::<ClothMaterials>().map(|materials| materials.plain.clone());
+    take_given(entity);
+}
+
+/// Takes away the material that the entity was given.
+pub(crate) fn take_given(entity: &mut EntityWorldMut) {
+    let plain = entity.get_resource::<PlainMaterial>().map(|plain| plain.0.clone());
     let given = entity.take::<GivenMaterial>().is_some();
     let has = entity.get::<MeshMaterial3d<StandardMaterial>>().map(|material| material.0.clone());
     if given && has == plain {
@@ -143,6 +161,7 @@ impl StressColors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bevy::pbr::StandardMaterialKey;
 
     #[test]
     fn stress_goes_from_blue_by_green_and_yellow_to_red() {
@@ -152,6 +171,33 @@ mod tests {
         assert!(third[1] > third[0] && third[1] > third[2], "{third:?}");
         assert!(two_thirds[0] > 0.5 && two_thirds[1] > 0.5 && two_thirds[2] < 0.2, "{two_thirds:?}");
         assert!(high[0] > high[1] && high[0] > high[2], "{high:?}");
+    }
+
+    #[test]
+    fn whatever_the_material_the_same_pipeline_draws_it_white() {
+        let textured = StandardMaterial {
+            base_color: Color::srgb(0.2, 0.5, 0.1),
+            base_color_texture: Some(Handle::default()),
+            normal_map_texture: Some(Handle::default()),
+            metallic_roughness_texture: Some(Handle::default()),
+            emissive_texture: Some(Handle::default()),
+            emissive: LinearRgba::RED,
+            diffuse_transmission: 0.4,
+            clearcoat: 0.3,
+            anisotropy_strength: 0.5,
+            metallic: 1.0,
+            cull_mode: None,
+            double_sided: true,
+            alpha_mode: AlphaMode::Blend,
+            depth_bias: 3.0,
+            ..default()
+        };
+        for own in [StandardMaterial::default(), textured] {
+            let white = whitened(&own);
+            assert_eq!(StandardMaterialKey::from(&white), StandardMaterialKey::from(&own));
+            assert_eq!((white.alpha_mode, white.double_sided), (own.alpha_mode, own.double_sided));
+            assert_eq!(white.base_color, Color::WHITE);
+        }
     }
 
     #[test]

@@ -3,14 +3,20 @@
 mod attach;
 mod color;
 mod flames;
+mod look;
+mod look_material;
 mod material;
 mod surface;
+mod value_noise;
+mod wear;
+mod weave;
 mod write;
 
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
-use bevy::pbr::StandardMaterial;
+use bevy::pbr::{MaterialPlugin, PbrPlugin, StandardMaterial};
 use bevy::prelude::*;
+use bevy::shader::load_shader_library;
 
 use crate::clock;
 use crate::schedule::ClothSystems;
@@ -18,6 +24,9 @@ use crate::settings::Shared;
 
 pub(crate) use attach::undraw;
 pub use flames::ClothFlames;
+pub use look::{ClothLook, Pattern, Weave};
+pub use look_material::{ClothMaterial, FabricExtension};
+pub(crate) use wear::hem;
 
 /// What the colour of a cloth tells.
 ///
@@ -57,6 +66,7 @@ pub(crate) fn plugin(app: &mut App) {
         .init_resource::<Shared<ClothFlames>>()
         .register_type::<ClothFlames>()
         .register_type::<Shared<ClothFlames>>()
+        .register_type::<ClothLook>()
         .configure_sets(
             PostUpdate,
             ClothSystems::Draw
@@ -68,6 +78,9 @@ pub(crate) fn plugin(app: &mut App) {
             PostUpdate,
             (
                 attach::attach.run_if(resource_exists::<Assets<Mesh>>),
+                (look_material::undress, look_material::dress)
+                    .chain()
+                    .run_if(resource_exists::<Assets<ClothMaterial>>.and_then(resource_exists::<Assets<Image>>)),
                 material::color.run_if(resource_exists::<Assets<StandardMaterial>>),
                 write::write.run_if(resource_exists::<Assets<Mesh>>),
                 (flames::quench, flames::draw).chain().run_if(
@@ -80,4 +93,15 @@ pub(crate) fn plugin(app: &mut App) {
                 .after(clock::interpolate)
                 .in_set(ClothSystems::Draw),
         );
+}
+
+/// Adds what a renderer needs to draw a [`ClothLook`], once all plugins are there.
+pub(crate) fn finish(app: &mut App) {
+    if !app.is_plugin_added::<PbrPlugin>() {
+        return;
+    }
+    load_shader_library!(app, "fabric_types.wgsl");
+    bevy::asset::embedded_asset!(app, "fabric.wgsl");
+    bevy::asset::embedded_asset!(app, "fabric_prepass.wgsl");
+    app.add_plugins(MaterialPlugin::<ClothMaterial>::default());
 }

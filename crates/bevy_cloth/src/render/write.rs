@@ -8,8 +8,10 @@ use cloth_solver::{Fabric, Particles, Pose, Soa3, Topology};
 
 use super::ClothColoring;
 use super::color::{Told, ToldItem};
+use super::look_material::LookMaterial;
 use super::material::StressColors;
 use super::surface::{self, TangentFrame};
+use super::wear::{self, Folds};
 use crate::clock::{ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
 use crate::prepare::{ClothSkin, DrawnMesh, Placements, Skin};
@@ -26,30 +28,47 @@ pub(crate) struct Drawing {
     tangents: Vec<Vec3>,
     tangent_frame: TangentFrame,
     shares: Vec<f32>,
+    folds: Folds,
+    /// For each slot 0 at a torn edge, 1 away from all.
+    fray: Vec<f32>,
+    /// Metres of cloth along a unit of u and of v.
+    metres: Vec2,
     /// From the cloth's frame to that of the entity as drawn, scale included.
     relation: Affine3A,
     coloring: Option<ClothColoring>,
+    /// It was last drawn with a [`ClothLook`](super::ClothLook).
+    has_look: bool,
     written: bool,
     /// It was asleep when it was last drawn, and so is what is drawn.
     stands: bool,
 }
 
 impl Drawing {
-    /// Nothing drawn yet.
-    pub fn new(topology: &Topology, skin: &Skin) -> Self {
+    /// Nothing drawn yet. `uvs` are those of the mesh; `metres` of cloth to a unit of them, if that is known already.
+    pub fn new(topology: &Topology, skin: &Skin, uvs: &[Vec2], metres: Option<Vec2>) -> Self {
         let (slots, vertices) = (topology.slots(), topology.vertex_particle.len());
-        let tangents = if skin.uvs.len() == vertices { vertices } else { 0 };
+        let mut fray = Vec::new();
+        wear::fray(topology, &skin.hem, &mut fray);
         Self {
             shown: vec![Vec3::ZERO; slots],
             normals: vec![Vec3::Z; slots],
-            tangents: vec![Vec3::X; tangents],
-            tangent_frame: TangentFrame::new(&topology.triangle_vertices, &skin.uvs),
+            tangents: vec![Vec3::X; vertices],
+            tangent_frame: TangentFrame::new(&topology.triangle_vertices, uvs),
             shares: Vec::new(),
+            folds: Folds::default(),
+            fray,
+            metres: metres.unwrap_or_else(|| wear::metres_per_uv(topology, uvs)),
             relation: Affine3A::IDENTITY,
             coloring: None,
+            has_look: false,
             written: false,
             stands: false,
         }
+    }
+
+    /// Metres of cloth along a unit of u and of v.
+    pub fn metres(&self) -> Vec2 {
+        self.metres
     }
 
     /// Position of each slot as drawn, cloth frame, m.
@@ -82,7 +101,7 @@ pub(crate) fn write(
         Ref<Particles>,
         Option<&Fabric>,
         Option<&ClothColoring>,
-        (&DrawnMesh, Told, Has<ClothAsleep>),
+        (&DrawnMesh, Told, Has<ClothAsleep>, Has<LookMaterial>),
         &mut Drawing,
         Option<&mut Aabb>,
     )>,
@@ -92,7 +111,7 @@ pub(crate) fn write(
     mut meshes: ResMut<Assets<Mesh>>,
     stress_colors: Local<StressColors>,
 ) {
-    for (entity, state, particles, fabric, coloring, (mesh, told, asleep), mut drawing, aabb) in &mut cloths {
+    for (entity, state, particles, fabric, coloring, (mesh, told, asleep, has_look), mut drawing, aabb) in &mut cloths {
         let (topology, skin, frame, history) = state;
         let drawing = &mut *drawing;
         let coloring = *coloring.unwrap_or(&shared);
@@ -104,6 +123,7 @@ pub(crate) fn write(
         let moved = !stood && drawing.show(&history.position, &particles.position, between);
         let recolored = drawing.coloring != Some(coloring)
             || (coloring != ClothColoring::Material && particles.is_changed())
+            || drawing.has_look != has_look
             || told.is_burning();
         if drawing.written && !moved && !recolored && relation == drawing.relation {
             continue;
@@ -116,8 +136,9 @@ pub(crate) fn write(
         if let Some(mut aabb) = aabb {
             *aabb = Aabb::from_min_max(bounds.0, bounds.1);
         }
-        if recolored {
-            drawing.coloring = Some(coloring);
+        // Folds darken where they are.
+        if recolored || (has_look && coloring == ClothColoring::Material) {
+            (drawing.coloring, drawing.has_look) = (Some(coloring), has_look);
             drawing.write_colors(&mut mesh, topology, &skin.0, &particles, &fabric, &told, &stress_colors);
         }
     }
@@ -159,9 +180,7 @@ impl Drawing {
                 normals[vertex + back] = (-normal).to_array();
             }
         }
-        if let Some(VertexAttributeValues::Float32x4(tangents)) = values(mesh, Mesh::ATTRIBUTE_TANGENT)
-            && self.tangents.len() == back
-        {
+        if let Some(VertexAttributeValues::Float32x4(tangents)) = values(mesh, Mesh::ATTRIBUTE_TANGENT) {
             self.tangent_frame.tangents(
                 &topology.triangle_vertices,
                 particle,
@@ -179,7 +198,7 @@ impl Drawing {
         bounds
     }
 
-    /// Writes vertex colours, or takes them away where the material is to speak.
+    /// Writes vertex colours, and what fire and water did: into the colours, or beside them where a look knows how to show it.
     fn write_colors(
         &mut self,
         mesh: &mut Mesh,
@@ -190,22 +209,37 @@ impl Drawing {
         told: &ToldItem,
         stress_colors: &StressColors,
     ) {
-        let vertices = topology.vertex_particle.len();
+        let back = topology.vertex_particle.len();
         let coloring = self.coloring.unwrap_or_default();
-        if coloring == ClothColoring::Material && skin.colors.len() != vertices && told.is_sound() {
-            let _ = mesh.try_remove_attribute(Mesh::ATTRIBUTE_COLOR);
-            return;
-        }
+        let tells = coloring != ClothColoring::Material;
+        let own = |vertex: usize| skin.colors.get(vertex).copied().unwrap_or([1.0; 4]);
         told.shares(coloring, topology, particles, fabric, &mut self.shares);
-        let white = [[1.0; 4]].into_iter().cycle().take(2 * vertices);
-        if !matches!(values(mesh, Mesh::ATTRIBUTE_COLOR), Some(VertexAttributeValues::Float32x4(_))) {
-            let _ = mesh.try_insert_attribute(Mesh::ATTRIBUTE_COLOR, white.collect::<Vec<_>>());
+        if self.has_look && !tells {
+            self.folds.update(topology, &self.shown, &self.normals);
         }
         if let Some(VertexAttributeValues::Float32x4(colors)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
-                let own = skin.colors.get(vertex).copied().unwrap_or([1.0; 4]);
-                let color = told.color(coloring, *slot, own, &self.shares, stress_colors);
-                (colors[vertex], colors[vertex + vertices]) = (color, color);
+                let color = match tells {
+                    true => stress_colors.at(self.shares[*slot as usize]),
+                    false if self.has_look => own(vertex),
+                    false => told.scorched(*slot, own(vertex)),
+                };
+                (colors[vertex], colors[vertex + back]) = (color, color);
+                if self.has_look {
+                    let light = if tells { [1.0; 2] } else { self.folds.light(*slot) };
+                    for (vertex, light) in [vertex, vertex + back].into_iter().zip(light) {
+                        let [red, green, blue, _] = color;
+                        colors[vertex] = [red * light, green * light, blue * light, self.fray[*slot as usize]];
+                    }
+                }
+            }
+        }
+        if let Some(VertexAttributeValues::Float32x2(marks)) = values(mesh, Mesh::ATTRIBUTE_UV_1)
+            && self.has_look
+        {
+            for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
+                let mark = wear::burn_and_wet(told.fire(), *slot);
+                (marks[vertex], marks[vertex + back]) = (mark, mark);
             }
         }
     }

@@ -13,7 +13,7 @@ use crate::tried::Tried;
 use crate::widgets::{self, Unit, Value};
 
 /// How the cloth is advised by default.
-const DEFAULT: Settings = Settings { tolerance: 0.01, seconds: 1.0 };
+const DEFAULT: Settings = Settings { tolerance: 0.01, seconds: 2.0 };
 
 /// A cloth has taken a change over after so long, s: a few frames.
 const SETTLES: f64 = 0.3;

@@ -33,6 +33,7 @@
 //! | `cloth` | size, resolution, rods |
 //! | `fire` | whether and how it may burn, and what the middle button does |
 //! | `fabric` | preset and every value of the fabric |
+//! | `look` | weave, colours, pattern, threads, sheen |
 //! | `motion` | whether the cloth sleeps and when; what is a jump |
 //! | `self_contact` | whether and how the cloth keeps off itself |
 //! | `contact` | friction, events and force of the selected solid |
@@ -58,6 +59,7 @@ mod fire;
 mod history;
 mod layout;
 mod light;
+mod look;
 mod material;
 mod motion;
 mod object;

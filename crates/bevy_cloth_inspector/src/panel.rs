@@ -8,7 +8,7 @@ use crate::layout::InspectorLayout;
 use crate::sections::InspectorSections;
 use crate::{
     InspectorOpen, PanelWidth, Selected, advice, air, camera, cloth, contact, contact_view, damage, fabric, fire,
-    light, material, motion, object, self_contact, statistics, world,
+    light, look, material, motion, object, self_contact, statistics, world,
 };
 
 /// The panel takes no more than this part of the window.
@@ -17,6 +17,13 @@ const WIDEST: f32 = 1.0 / 3.0;
 const NARROWEST: f32 = 200.0;
 /// Width of the edge that is dragged, logical pixels.
 const EDGE: f32 = 6.0;
+
+/// Size of a section's title, points.
+const TITLE: f32 = 13.5;
+/// Room for the arrow of a section, logical pixels.
+const INDENT: f32 = 13.0;
+/// Colour of labels: brighter than egui's, to be read beside a bright scene.
+const LABELS: egui::Color32 = egui::Color32::from_gray(185);
 
 /// Draws the panel into the primary egui context, if it is open.
 pub fn show(world: &mut World) {
@@ -56,8 +63,10 @@ pub(crate) fn draw(context: &egui::Context, world: &mut World) -> f32 {
         frame.show(ui, |ui| {
             ui.set_min_size(size);
             ui.set_max_size(size);
-            ui.spacing_mut().indent = 6.0;
-            ui.visuals_mut().indent_has_left_vline = false;
+            ui.spacing_mut().indent = INDENT;
+            let visuals = ui.visuals_mut();
+            visuals.indent_has_left_vline = false;
+            visuals.widgets.noninteractive.fg_stroke.color = LABELS;
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
         });
         resize(ui, whole, width, world);
@@ -101,6 +110,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) {
     if let Some(entity) = cloth {
         section(ui, world, "Cloth", false, |ui, world| cloth::show(ui, world, entity));
         section(ui, world, "Fabric", true, |ui, world| fabric::show(ui, world, entity));
+        section(ui, world, "Look", false, |ui, world| look::show(ui, world, entity));
         section(ui, world, "Self-contact", false, |ui, world| self_contact::show(ui, world, entity));
         section(ui, world, "Contact view", false, |ui, world| contact_view::show(ui, world, entity));
         section(ui, world, "Tearing", false, |ui, world| damage::tearing(ui, world, entity));
@@ -138,7 +148,7 @@ fn section(
     #[cfg(test)]
     let remembered = remembered.or(crate::widgets::recorded::all_open(ui).then_some(true));
     let mut is_open = false;
-    let header = egui::CollapsingHeader::new(egui::RichText::new(title).strong())
+    let header = egui::CollapsingHeader::new(egui::RichText::new(title).strong().size(TITLE))
         .id_salt(title)
         .default_open(remembered.unwrap_or(open));
     let response = header.show(ui, |ui| {

@@ -36,6 +36,7 @@ fn full() -> (App, Vec<Entity>) {
         SelfContact::default(),
         Air::default(),
         ContactView::default(),
+        ClothLook::default().with_pattern(Pattern::Stripes { width: 0.1, across: true }, Color::BLACK),
     );
     let mut objects = vec![world.spawn(cloth).id()];
     let chance = Flammable::Contagion(Contagion::default());
@@ -115,6 +116,7 @@ fn every_value_of_every_section_has_a_tooltip_a_unit_and_goes_through_the_rows()
         "gravity",
         "solve",
         "tolerance",
+        "sheen",
     ];
     for section in others {
         assert!(labels.contains(&section), "{section} was not drawn");

@@ -35,6 +35,8 @@ pub struct Sample {
 pub(crate) struct Played {
     /// Shapes at moments of the last half.
     pub shapes: Vec<Shape>,
+    /// The mean over all ticks of the last half.
+    pub mean: Shape,
     /// Time of a tick, ms: a quarter of them took less.
     pub time: f64,
     /// The most places at which it touched itself.
@@ -176,10 +178,15 @@ impl Sample {
             played.load = played.load.max(self.load());
             // Moment i of n is the last tick of part i of the half.
             let part = |tick: u32| u64::from(tick.saturating_sub(half)) * u64::from(MOMENTS) / u64::from(ticks - half);
-            if part(tick) > part(tick - 1) {
-                played.shapes.push(self.shape());
+            if tick > half {
+                let shape = self.shape();
+                played.mean.add(&shape);
+                if part(tick) > part(tick - 1) {
+                    played.shapes.push(shape);
+                }
             }
         }
+        played.mean.scale(1.0 / (ticks - half) as f32);
         times.sort_by(f64::total_cmp);
         played.time = times[times.len() / 4];
         Some(played)

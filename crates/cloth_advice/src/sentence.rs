@@ -46,13 +46,14 @@ impl Report {
     /// What was measured, in a sentence.
     pub fn basis(&self) -> String {
         let time = format!("A tick takes {:.2} ms.", self.time);
-        if self.bar > self.tolerance {
-            let bar = millimetres(self.bar);
-            format!(
-                "{time} With twice the substeps a point is {bar} away: what moves it less cannot be told from chance."
-            )
-        } else {
-            time
+        let bar = millimetres(self.bar);
+        match (self.by_mean, self.bar > self.tolerance) {
+            (false, _) => time,
+            (true, false) => format!("{time} It flutters, so mean shapes are compared."),
+            (true, true) => format!(
+                "{time} It flutters, so mean shapes are compared. With twice the substeps a point is {bar} away: less \
+                 cannot be told from chance."
+            ),
         }
     }
 }

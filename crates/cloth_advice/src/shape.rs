@@ -36,6 +36,22 @@ impl Difference {
 }
 
 impl Shape {
+    /// Adds the points of another moment of the same cloths, to find a mean.
+    pub fn add(&mut self, other: &Self) {
+        if self.0.is_empty() {
+            *self = other.clone();
+            return;
+        }
+        for (sum, sheet) in self.0.iter_mut().zip(&other.0) {
+            sum.points.iter_mut().zip(&sheet.points).for_each(|(sum, point)| *sum += *point);
+        }
+    }
+
+    /// Multiplies every point.
+    pub fn scale(&mut self, factor: f32) {
+        self.0.iter_mut().flat_map(|sheet| &mut sheet.points).for_each(|point| *point *= factor);
+    }
+
     /// How far the material points of `self` are from where `other`, whose meshes may be coarser or finer, has them.
     pub fn difference(&self, other: &Self) -> Difference {
         let (mut squares, mut count, mut most) = (0.0, 0_usize, 0.0_f64);

@@ -20,7 +20,6 @@ pub(super) struct Row<'a> {
     pub more: &'a str,
     /// Of a number its unit; `None` for what is no number.
     pub unit: Option<&'static str>,
-    pub has_default: bool,
 }
 
 impl Row<'_> {
@@ -91,7 +90,7 @@ pub fn row<R>(
     hint: &'static str,
     contents: impl FnOnce(&mut egui::Ui) -> R,
 ) -> R {
-    Row { label, hint, more: "", unit: None, has_default: false }.show(ui, false, false, |ui, _| contents(ui))
+    Row { label, hint, more: "", unit: None }.show(ui, false, false, |ui, _| contents(ui))
 }
 
 /// Something that is on or off. Tells whether it was changed.
@@ -103,7 +102,7 @@ pub fn switch(
     default: impl Into<Option<bool>>,
 ) -> bool {
     let (before, default) = (*on, default.into());
-    Row { label, hint, more: "", unit: None, has_default: default.is_some() }.show(ui, false, false, |ui, width| {
+    Row { label, hint, more: "", unit: None }.show(ui, false, false, |ui, width| {
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let text = if *on { "on" } else { "off" };
         ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -131,7 +130,7 @@ pub fn choice<T: PartialEq + Clone>(
     let (before, default) = (value.clone(), default.into());
     let choices: Vec<(T, &str)> = choices.into_iter().collect();
     let shown = choices.iter().find(|(choice, _)| choice == value).map_or("own", |(_, name)| name);
-    Row { label, hint, more: "", unit: None, has_default: default.is_some() }.show(ui, false, false, |ui, width| {
+    Row { label, hint, more: "", unit: None }.show(ui, false, false, |ui, width| {
         let combo = egui::ComboBox::from_id_salt(label).selected_text(shown).width(width).truncate();
         let response = combo.show_ui(ui, |ui| {
             for (choice, name) in &choices {
@@ -157,7 +156,7 @@ pub fn color(
     default: impl Into<Option<Color>>,
 ) -> bool {
     let (before, default) = (*value, default.into());
-    Row { label, hint, more: "", unit: None, has_default: default.is_some() }.show(ui, false, false, |ui, width| {
+    Row { label, hint, more: "", unit: None }.show(ui, false, false, |ui, width| {
         let Srgba { red, green, blue, alpha } = value.to_srgba();
         let mut rgb = [red, green, blue];
         ui.spacing_mut().interact_size.x = width;
@@ -202,7 +201,6 @@ pub(crate) mod recorded {
         pub label: &'static str,
         pub hint: &'static str,
         pub unit: Option<&'static str>,
-        pub has_default: bool,
     }
 
     fn id() -> egui::Id {
@@ -210,8 +208,8 @@ pub(crate) mod recorded {
     }
 
     pub(super) fn note(ui: &egui::Ui, row: &super::Row) {
-        let super::Row { label, hint, unit, has_default, .. } = *row;
-        let shown = Shown { label, hint, unit, has_default };
+        let super::Row { label, hint, unit, .. } = *row;
+        let shown = Shown { label, hint, unit };
         ui.data_mut(|data| data.get_temp_mut_or_default::<Vec<Shown>>(id()).push(shown));
     }
 

@@ -148,17 +148,15 @@ impl Value {
     ) -> Option<T> {
         let several = below || std::mem::size_of::<T>() > std::mem::size_of::<u32>();
         let hint = self.hint_text();
-        Row {
-            label: self.label,
-            hint: self.hint,
-            more: &hint,
-            unit: Some(self.unit.name),
-            has_default: default.is_some(),
-        }
-        .show(ui, below, several, |ui, width| {
-            let now = contents(ui, width);
-            reset(ui, default.is_some_and(|default| default != now)).then_some(default).flatten()
-        })
+        Row { label: self.label, hint: self.hint, more: &hint, unit: Some(self.unit.name) }.show(
+            ui,
+            below,
+            several,
+            |ui, width| {
+                let now = contents(ui, width);
+                reset(ui, default.is_some_and(|default| default != now)).then_some(default).flatten()
+            },
+        )
     }
 
     /// One number, `width` logical pixels wide.

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use cloth_advice::{Difference, Shape, Sheet};
 use cloth_scene::{Scene, SceneError, World};
 use cloth_solver::measure;
-use glam::Vec3;
 
 /// How often the shape is kept over the last half of the scene.
 const SAMPLES: u32 = 10;
@@ -110,7 +109,7 @@ pub fn play(scene: &Scene, patience: Duration) -> Result<Recording, SceneError> 
         }
         if tick > half {
             let shape = shape_of(&world);
-            add(&mut recording.mean, &shape);
+            recording.mean.add(&shape);
             // Moment i of n is the last tick of part i of the half.
             let part = |tick: u32| u64::from(tick - half) * u64::from(SAMPLES) / u64::from((ticks - half).max(1));
             if part(tick) > part(tick - 1) {
@@ -118,8 +117,7 @@ pub fn play(scene: &Scene, patience: Duration) -> Result<Recording, SceneError> 
             }
         }
     }
-    let share = 1.0 / (ticks - half).max(1) as f32;
-    recording.mean.0.iter_mut().flat_map(|sheet| &mut sheet.points).for_each(|point| *point *= share);
+    recording.mean.scale(1.0 / (ticks - half).max(1) as f32);
     times.sort_by(f64::total_cmp);
     recording.least = times.first().copied().unwrap_or(0.0);
     recording.median = times.get(times.len() / 2).copied().unwrap_or(0.0);
@@ -162,17 +160,6 @@ fn shape_of(world: &World) -> Shape {
         Sheet::of_grid(&cloth.topology, |slot| frame.point(cloth.particles.position.get(slot)))
     });
     Shape(sheets.collect())
-}
-
-/// Adds up the points of several moments.
-fn add(sum: &mut Shape, shape: &Shape) {
-    if sum.0.is_empty() {
-        *sum = shape.clone();
-        return;
-    }
-    for (sum, sheet) in sum.0.iter_mut().zip(&shape.0) {
-        sum.points.iter_mut().zip(&sheet.points).for_each(|(sum, point): (&mut Vec3, &Vec3)| *sum += *point);
-    }
 }
 
 #[cfg(test)]

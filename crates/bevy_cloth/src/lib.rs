@@ -13,7 +13,7 @@
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
-//! - [Drawing](#drawing): `ClothLook`, `ClothColoring`, `ClothFlames`
+//! - [Drawing](#drawing): `ClothLook`, `ClothSubdivision`, `ClothColoring`, `ClothFlames`
 //! - [Picking](#picking): `ClothPicking`, [`Grabs`]
 //! - [Features](#features)
 //!
@@ -102,6 +102,7 @@
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
 //! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
+//! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
 //!
 //! # Picking
@@ -169,7 +170,7 @@ pub use particle_pins::{ParticlePin, ParticlePins, PinParticle, UnpinParticle};
 pub use picking::{ClothHit, ClothPicking, ClothTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
-pub use render::{ClothColoring, ClothFlames, ClothLook, Pattern, Weave};
+pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use sleep::{ClothAsleep, ClothSleep, WakeCause};

@@ -7,7 +7,7 @@ use cloth_solver::tick::DEFAULT_SUBSTEPS;
 /// A value for every cloth that has no component of the type `T` of its own.
 ///
 /// The plugin inserts `Shared<Gravity>`, `Shared<Wind>`, `Shared<Gusts>`, `Shared<Substeps>`, `Shared<Method>`,
-/// `Shared<Teleport>` and, with the feature `render`, `Shared<ClothColoring>`.
+/// `Shared<Teleport>` and, with the feature `render`, `Shared<ClothColoring>`, `Shared<ClothFlames>` and `Shared<ClothSubdivision>`.
 /// (One type cannot be both: in Bevy 0.19 a resource is a component that may exist only once.)
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]

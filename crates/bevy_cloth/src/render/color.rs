@@ -37,6 +37,16 @@ impl ToldItem<'_, '_> {
         Some(fire)
     }
 
+    /// Fills `supports`, one for each slot, with the unit normal of the solid that the particle touches, or zero; leaves it empty if
+    /// the cloth touches nothing.
+    pub fn supports(&self, topology: &Topology, particles: &Particles, supports: &mut Vec<Vec3>) {
+        supports.clear();
+        if self.contacts.touching > 0 {
+            let normal = |slot| self.contacts.normal_at(particles.position.get(slot)).unwrap_or(Vec3::ZERO);
+            supports.extend((0..topology.slots()).map(normal));
+        }
+    }
+
     /// Fills `shares`, one for each slot, with what `coloring` tells: 0 where nothing is, 1 at its limit.
     pub fn shares(
         &self,

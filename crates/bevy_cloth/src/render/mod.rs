@@ -6,6 +6,7 @@ mod flames;
 mod look;
 mod look_material;
 mod material;
+mod subdivide;
 mod surface;
 mod value_noise;
 mod wear;
@@ -26,6 +27,7 @@ pub(crate) use attach::undraw;
 pub use flames::ClothFlames;
 pub use look::{ClothLook, Pattern, Weave};
 pub use look_material::{ClothMaterial, FabricExtension};
+pub use subdivide::ClothSubdivision;
 pub(crate) use wear::hem;
 
 /// What the colour of a cloth tells.
@@ -69,6 +71,9 @@ pub(crate) fn plugin(app: &mut App) {
         .init_resource::<Shared<ClothFlames>>()
         .register_type::<ClothFlames>()
         .register_type::<Shared<ClothFlames>>()
+        .init_resource::<Shared<ClothSubdivision>>()
+        .register_type::<ClothSubdivision>()
+        .register_type::<Shared<ClothSubdivision>>()
         .register_type::<ClothLook>()
         .configure_sets(
             PostUpdate,

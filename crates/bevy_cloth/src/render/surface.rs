@@ -2,15 +2,20 @@
 
 use bevy::prelude::*;
 
-/// Fills `normals` (one for each particle) with the unit normals of `triangles` at `positions`, each triangle weighed
-/// by its area. A particle of no area gets +z.
+/// The least square of an edge's length that counts, m²: that of 10⁻¹² m.
+const LEAST: f32 = 1e-24;
+
+/// Fills `normals` (one for each particle) with the unit normals of `triangles` at `positions`. Each triangle counts by its area over
+/// the squares of the two edges that meet at the particle (Max 1999): exact on spheres, however the triangles lie. A particle of no
+/// area gets +z.
 pub(crate) fn normals(triangles: &[[u32; 3]], positions: &[Vec3], normals: &mut [Vec3]) {
     normals.fill(Vec3::ZERO);
     for triangle in triangles {
         let [a, b, c] = triangle.map(|slot| positions[slot as usize]);
         let normal = (b - a).cross(c - a);
-        for slot in triangle {
-            normals[*slot as usize] += normal;
+        let [first, second, third] = [b - a, c - b, a - c].map(|edge| edge.length_squared().max(LEAST));
+        for (slot, weight) in triangle.iter().zip([first * third, first * second, second * third]) {
+            normals[*slot as usize] += normal / weight;
         }
     }
     for normal in normals {

@@ -10,6 +10,7 @@ use super::ClothColoring;
 use super::color::{Told, ToldItem};
 use super::look_material::LookMaterial;
 use super::material::StressColors;
+use super::subdivide::Subdivision;
 use super::surface::{self, TangentFrame};
 use super::wear::{self, Folds};
 use crate::clock::{ClothClock, ClothTime};
@@ -28,6 +29,10 @@ pub(crate) struct Drawing {
     tangents: Vec<Vec3>,
     tangent_frame: TangentFrame,
     shares: Vec<f32>,
+    /// What is drawn where that is finer than what is simulated.
+    subdivision: Option<Box<Subdivision>>,
+    /// With a subdivision, for each slot the unit normal of the solid it lies on, or zero. Empty where nothing touches.
+    supports: Vec<Vec3>,
     folds: Folds,
     /// For each slot 0 at a torn edge, 1 away from all.
     fray: Vec<f32>,
@@ -45,7 +50,13 @@ pub(crate) struct Drawing {
 
 impl Drawing {
     /// Nothing drawn yet. `uvs` are those of the mesh; `metres` of cloth to a unit of them, if that is known already.
-    pub fn new(topology: &Topology, skin: &Skin, uvs: &[Vec2], metres: Option<Vec2>) -> Self {
+    pub fn new(
+        topology: &Topology,
+        skin: &Skin,
+        uvs: &[Vec2],
+        metres: Option<Vec2>,
+        subdivision: Option<Box<Subdivision>>,
+    ) -> Self {
         let (slots, vertices) = (topology.slots(), topology.vertex_particle.len());
         let mut fray = Vec::new();
         wear::fray(topology, &skin.hem, &mut fray);
@@ -55,6 +66,8 @@ impl Drawing {
             tangents: vec![Vec3::X; vertices],
             tangent_frame: TangentFrame::new(&topology.triangle_vertices, uvs),
             shares: Vec::new(),
+            subdivision,
+            supports: Vec::new(),
             folds: Folds::default(),
             fray,
             metres: metres.unwrap_or_else(|| wear::metres_per_uv(topology, uvs)),
@@ -69,6 +82,21 @@ impl Drawing {
     /// Metres of cloth along a unit of u and of v.
     pub fn metres(&self) -> Vec2 {
         self.metres
+    }
+
+    /// What is drawn, if that is finer than what is simulated.
+    pub fn subdivision(&self) -> Option<&Subdivision> {
+        self.subdivision.as_deref()
+    }
+
+    /// Takes it out, to be used again.
+    pub fn take_subdivision(&mut self) -> Option<Box<Subdivision>> {
+        self.subdivision.take()
+    }
+
+    /// Into how many parts each edge is divided.
+    pub fn parts(&self) -> u32 {
+        self.subdivision().map_or(1, Subdivision::parts)
     }
 
     /// Position of each slot as drawn, cloth frame, m.
@@ -130,6 +158,9 @@ pub(crate) fn write(
         }
         let Some(mut mesh) = meshes.get_mut(&mesh.drawn) else { continue };
         let fabric = fabric.copied().unwrap_or_default();
+        if drawing.subdivision.is_some() && (particles.is_changed() || !drawing.written) {
+            told.supports(topology, &particles, &mut drawing.supports);
+        }
         drawing.relation = relation;
         drawing.written = true;
         let bounds = drawing.write_shape(&mut mesh, topology, fabric.thickness / 2.0);
@@ -157,13 +188,23 @@ fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
 impl Drawing {
     /// Writes positions, normals and tangents, and gives the bounds of the positions.
     fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, half: f32) -> (Vec3, Vec3) {
-        surface::normals(&topology.triangles, &self.shown, &mut self.normals);
+        match &mut self.subdivision {
+            None => surface::normals(&topology.triangles, &self.shown, &mut self.normals),
+            Some(fine) => fine.apply(topology, &self.shown, &mut self.normals, &self.supports),
+        }
         let particle = &topology.vertex_particle;
-        let back = particle.len();
+        let fine = self.subdivision.as_deref();
+        let back = fine.map_or(particle.len(), Subdivision::vertices);
+        // Position and normal of a vertex of the front.
+        let surface = |vertex: usize| match fine {
+            Some(fine) => (fine.positions()[vertex], fine.normals()[vertex]),
+            None => (self.shown[particle[vertex] as usize], self.normals[particle[vertex] as usize]),
+        };
         let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         if let Some(VertexAttributeValues::Float32x3(positions)) = values(mesh, Mesh::ATTRIBUTE_POSITION) {
-            for (vertex, slot) in particle.iter().enumerate() {
-                let (at, normal) = (self.shown[*slot as usize], self.normals[*slot as usize] * half);
+            for vertex in 0..back {
+                let (at, normal) = surface(vertex);
+                let normal = normal * half;
                 for (vertex, at) in [(vertex, at + normal), (vertex + back, at - normal)] {
                     let at = self.relation.transform_point3(at);
                     bounds = (bounds.0.min(at), bounds.1.max(at));
@@ -174,8 +215,8 @@ impl Drawing {
         // Normals turn against what stretches: by the inverse transposed.
         let turn = self.relation.matrix3.inverse().transpose();
         if let Some(VertexAttributeValues::Float32x3(normals)) = values(mesh, Mesh::ATTRIBUTE_NORMAL) {
-            for (vertex, slot) in particle.iter().enumerate() {
-                let normal = (turn * self.normals[*slot as usize]).normalize_or(Vec3::Z);
+            for vertex in 0..back {
+                let normal = (turn * surface(vertex).1).normalize_or(Vec3::Z);
                 normals[vertex] = normal.to_array();
                 normals[vertex + back] = (-normal).to_array();
             }
@@ -194,6 +235,18 @@ impl Drawing {
                 tangents[vertex] = tangent.extend(sign).to_array();
                 tangents[vertex + back] = tangent.extend(-sign).to_array();
             }
+            if let Some(fine) = fine {
+                fine.spread(&mut tangents[..back]);
+                for vertex in particle.len()..back {
+                    let tangent = Vec4::from_array(tangents[vertex]);
+                    let normal = (turn * fine.normals()[vertex]).normalize_or(Vec3::Z);
+                    let along = tangent.truncate().reject_from_normalized(normal);
+                    let along = along.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+                    let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+                    tangents[vertex] = along.extend(sign).to_array();
+                    tangents[vertex + back] = along.extend(-sign).to_array();
+                }
+            }
         }
         bounds
     }
@@ -209,7 +262,8 @@ impl Drawing {
         told: &ToldItem,
         stress_colors: &StressColors,
     ) {
-        let back = topology.vertex_particle.len();
+        let fine = self.subdivision.as_deref();
+        let back = fine.map_or(topology.vertex_particle.len(), Subdivision::vertices);
         let coloring = self.coloring.unwrap_or_default();
         let tells = coloring != ClothColoring::Material;
         let own = |vertex: usize| skin.colors.get(vertex).copied().unwrap_or([1.0; 4]);
@@ -233,6 +287,11 @@ impl Drawing {
                     }
                 }
             }
+            if let Some(fine) = fine {
+                let (front, back) = colors.split_at_mut(back);
+                fine.spread(front);
+                fine.spread(back);
+            }
         }
         if let Some(VertexAttributeValues::Float32x2(marks)) = values(mesh, Mesh::ATTRIBUTE_UV_1)
             && self.has_look
@@ -240,6 +299,11 @@ impl Drawing {
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
                 let mark = wear::burn_and_wet(told.fire(), *slot);
                 (marks[vertex], marks[vertex + back]) = (mark, mark);
+            }
+            if let Some(fine) = fine {
+                let (front, back) = marks.split_at_mut(back);
+                fine.spread(front);
+                back.copy_from_slice(front);
             }
         }
     }

@@ -160,9 +160,20 @@ impl Contacts {
     /// Whether a particle at `point` touches a collider where that stands at the end of the tick: nearer than a tenth beyond the
     /// distance kept.
     pub fn touches(&self, point: Vec3) -> bool {
-        self.colliders.iter().any(|collider| {
-            let local = collider.motion.to.inverse_point(point);
-            collider.shape.distance_and_normal(local).0 < 1.1 * self.margin(&collider.shape)
+        self.normal_at(point).is_some()
+    }
+
+    /// The unit normal of the first collider that a particle at `point` touches, as [`Contacts::touches`] does.
+    pub fn normal_at(&self, point: Vec3) -> Option<Vec3> {
+        self.colliders.iter().find_map(|collider| {
+            let (pose, most) = (collider.motion.to, 1.1 * self.margin(&collider.shape));
+            let local = pose.inverse_point(point);
+            // A plane has no bounding radius.
+            if local.length_squared() > (collider.shape.bounding_radius() + most).powi(2) {
+                return None;
+            }
+            let (distance, normal) = collider.shape.distance_and_normal(local);
+            (distance < most).then(|| pose.rotation * normal)
         })
     }
 

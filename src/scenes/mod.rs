@@ -13,7 +13,7 @@ mod spawn;
 mod viewpoint;
 
 use bevy::prelude::*;
-use bevy_cloth::{ClothClock, ClothColoring, ClothTime, Gravity, Shared, Substeps, Wind};
+use bevy_cloth::{ClothClock, ClothColoring, ClothSubdivision, ClothTime, Gravity, Shared, Substeps, Wind};
 use bevy_cloth_inspector::{InspectorOpen, Selected};
 use cloth_scene::Scene;
 
@@ -60,6 +60,7 @@ impl Plugin for ScenesPlugin {
         let first = self.options.scene.clone();
         app.init_resource::<Opened>()
             .insert_resource(Shared(coloring))
+            .insert_resource(Shared(ClothSubdivision::X2))
             .insert_resource(InspectorOpen(self.options.screenshot.is_none() || self.options.ui))
             .add_plugins((
                 curtain_rod::CurtainRodPlugin,

@@ -49,7 +49,11 @@ pub struct Seeing;
 
 /// What a camera needs to see the scene as it is to be shown.
 pub fn eyes() -> impl Bundle {
-    let g = |i: usize| std::env::var("LOOK").map(|t| t.split(',').nth(i).unwrap().parse().unwrap()).unwrap_or([0.1, 1.15, 1.25, 1.15][i]);
+    let g = |i: usize| {
+        std::env::var("LOOK")
+            .map(|t| t.split(',').nth(i).unwrap().parse().unwrap())
+            .unwrap_or([0.1, 1.15, 1.25, 1.15][i])
+    };
     (
         Seeing,
         Hdr,

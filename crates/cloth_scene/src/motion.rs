@@ -43,17 +43,11 @@ impl SceneMotion {
     }
 
     pub(crate) fn validate(&self) -> Result<(), ClothError> {
-        let mut before = -1.0;
+        let (mut before, field, allowed) = (-1.0, "SceneMotion::keys", "0..=3600 s, each later than the one before");
         for (time, place) in &self.keys {
-            ClothError::check("SceneMotion::keys", *time, 0.0..=3600.0, "0..=3600 s, each later than the one before")?;
+            ClothError::check(field, *time, 0.0..=3600.0, allowed)?;
             if *time <= before {
-                let field = "SceneMotion::keys";
-                ClothError::check(
-                    field,
-                    *time,
-                    f32::INFINITY..=f32::INFINITY,
-                    "0..=3600 s, each later than the one before",
-                )?;
+                return Err(ClothError::OutOfRange { field, value: *time, allowed });
             }
             before = *time;
             place.validate("SceneMotion::keys")?;

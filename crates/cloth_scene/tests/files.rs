@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cloth_scene::{Scene, SceneError, World};
+use cloth_scene::{Scene, SceneError, SceneMotion, World};
 use cloth_solver::{Fabric, Method, measure};
 use glam::{UVec2, Vec2, Vec3};
 
@@ -233,5 +233,83 @@ fn every_scene_of_the_game_builds_and_says_what_it_shows() {
         let mut world = World::new(&scene).unwrap();
         world.tick();
         assert!(world.cloths.iter().all(|cloth| cloth.particles.is_finite()), "{}", file.display());
+    }
+}
+
+/// A scene of one cloth with these fields.
+fn with_cloth(fields: &str) -> String {
+    format!("(cloths: [(size: (1, 1), cells: (10, 10), {fields})])")
+}
+
+#[test]
+fn a_piece_cut_out_of_a_rectangle_has_the_cells_within_its_outline_and_no_others() {
+    let text = with_cloth("outline: [(0, 0), (1, 0), (1, 0.5), (0.5, 0.5), (0.5, 1), (0, 1)], pins: [Top]");
+    let scene = Scene::from_ron(&text).expect("valid");
+    let piece = scene.cloths[0].piece().expect("a piece");
+    assert_eq!(piece.triangles.len(), 2 * 75, "three quarters of a hundred cells");
+    let area: f32 = piece
+        .triangles
+        .iter()
+        .map(|triangle| triangle.map(|vertex| piece.positions[vertex as usize]))
+        .map(|[a, b, c]| (b - a).cross(c - a).z / 2.0)
+        .sum();
+    assert!((area - 0.75).abs() < 1e-5, "{area}: counterclockwise, of the right size");
+    let mut world = World::new(&scene).expect("built");
+    assert_eq!(world.cloths[0].constraints.pins().pins.len(), 11);
+    (0..30).for_each(|_| world.tick());
+    let lowest = measure::bounds(&world.cloths[0].topology, &world.cloths[0].particles.position).0.y;
+    assert!((-0.6..-0.4).contains(&lowest), "{lowest}: it hangs by its top");
+}
+
+#[test]
+fn pins_and_colliders_move_as_their_scene_says() {
+    let text = "(
+        cloths: [(size: (1, 1), cells: (4, 4), pins: [Top], motion: (keys: [(0, ()), (0.5, (at: (0, 0.25, 0)))]))],
+        colliders: [(shape: Sphere(radius: 0.1), place: (at: (0, 9, 0)), motion: (keys: [(0, ()), (1, (at: (0, 0, 2)))]))],
+    )";
+    let mut world = World::new(&Scene::from_ron(text).expect("valid")).expect("built");
+    (0..60).for_each(|_| world.tick());
+    let highest = measure::bounds(&world.cloths[0].topology, &world.cloths[0].particles.position).1.y;
+    assert!((highest - 0.75).abs() < 1e-4, "{highest}");
+    let at = world.cloths[0].contacts.colliders[0].motion.to.position;
+    assert!((at - Vec3::new(0.0, 9.0, 2.0)).length() < 1e-4, "{at}");
+}
+
+#[test]
+fn a_gathered_curtain_is_as_narrow_at_its_top_as_its_scene_says() {
+    let scene = Scene::from_ron(&with_cloth("pins: [Rods(5)], gather: 0.5")).expect("valid");
+    let mut world = World::new(&scene).expect("built");
+    (0..90).for_each(|_| world.tick());
+    let cloth = &world.cloths[0];
+    let held = cloth.constraints.pins().pins.iter().map(|pin| cloth.particles.position.get(pin.particle as usize).x);
+    let (low, high) = held.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)));
+    assert!((high - low - 0.5).abs() < 1e-4, "{low} {high}");
+}
+
+#[test]
+fn a_motion_goes_from_key_to_key_and_round_again() {
+    let motion: SceneMotion =
+        ron::from_str("(keys: [(1, ()), (2, (at: (1, 0, 0))), (3, ())], repeat: true)").expect("valid");
+    let at = |time| motion.at(time).position.x;
+    assert_eq!([at(0.0), at(1.0), at(1.5), at(2.0), at(2.5), at(3.5)], [0.0, 0.0, 0.5, 1.0, 0.5, 0.5]);
+}
+
+#[test]
+fn what_a_scene_says_wrong_of_look_and_motion_is_told() {
+    for (text, told) in [
+        (with_cloth("gather: 0"), "SceneCloth::gather"),
+        (with_cloth("outline: [(0, 2)]"), "SceneCloth::outline"),
+        (with_cloth("tearing: (scale: 0)"), "SceneTearing::scale"),
+        (with_cloth("look: (color: (2, 0, 0))"), "SceneLook::color"),
+        (with_cloth("look: (pattern: Stripes(0))"), "SceneLook::pattern"),
+        (with_cloth("motion: (keys: [(1, ()), (1, ())])"), "SceneMotion::keys"),
+        (with_cloth("pins: [At([(0, -1)])]"), "ScenePins::At"),
+        ("(view: (hour: 25))".into(), "SceneView::hour"),
+        ("(view: (camera: (from: (0, 0, 0), to: (0, 0, 0))))".into(), "SceneCamera::from"),
+        ("(colliders: [(shape: Cuboid(size: (1, 1, 1)), mass: 1)])".into(), "SceneCollider::mass"),
+        ("(colliders: [(shape: Sphere(radius: 1), finish: Paint((0, 0, 7)))])".into(), "Finish::color"),
+    ] {
+        let error = Scene::from_ron(&text).expect_err(&text).to_string();
+        assert!(error.contains(told), "{text}: {error}");
     }
 }

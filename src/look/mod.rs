@@ -49,20 +49,15 @@ pub struct Seeing;
 
 /// What a camera needs to see the scene as it is to be shown.
 pub fn eyes() -> impl Bundle {
-    let g = |i: usize| {
-        std::env::var("LOOK")
-            .map(|t| t.split(',').nth(i).unwrap().parse().unwrap())
-            .unwrap_or([0.1, 1.15, 1.25, 1.15][i])
-    };
     (
         Seeing,
         Hdr,
-        if std::env::var("TM").is_ok() { Tonemapping::TonyMcMapface } else { Tonemapping::AgX },
+        Tonemapping::TonyMcMapface,
         // A little more contrast and colour than film: the light of a fine day.
         ColorGrading {
-            global: ColorGradingGlobal { post_saturation: g(1), exposure: g(0), ..default() },
-            midtones: ColorGradingSection { contrast: g(2), ..default() },
-            shadows: ColorGradingSection { contrast: g(3), ..default() },
+            global: ColorGradingGlobal { post_saturation: 1.12, exposure: 0.4, ..default() },
+            midtones: ColorGradingSection { contrast: 1.06, ..default() },
+            shadows: ColorGradingSection { contrast: 1.02, ..default() },
             ..default()
         },
         Bloom {

@@ -94,6 +94,7 @@ fn forge(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 pub fn hang(commands: &mut Commands, place: Transform, curtain: Entity, gather: f32, slides: bool) -> Entity {
     let rod = CurtainRod { gather, slides, mesh: (1, 1.0) };
     let rod = (super::OfScene, rod, Name::new("rod"), Selectable(0), place, Visibility::default());
+    commands.entity(curtain).insert(Transform::IDENTITY);
     commands.spawn(rod).add_child(curtain).id()
 }
 

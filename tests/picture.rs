@@ -20,7 +20,7 @@ use bevy::tasks::block_on;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_cloth::{Cloth, ClothFlames, ClothPlugin, Flammable, IgniteCloth, Pins};
+use bevy_cloth::{Cloth, ClothFlames, ClothPlugin, CutCloth, Flammable, IgniteCloth, Pins, ResetCloth};
 
 const WIDTH: u32 = 320;
 const HEIGHT: u32 = 240;
@@ -87,6 +87,23 @@ fn flames_are_seen_and_light_the_cloth() {
     assert!(lit > 1.5 * unlit.max(0.001), "by its flames {lit}, without {unlit}");
 }
 
+#[test]
+fn a_cloth_that_is_cut_and_put_back_is_seen_in_every_frame() {
+    let mut studio = Studio::new(Pins::top());
+    studio.picture(FRONT, FRONT);
+    let world = studio.app.world_mut();
+    let cloth = world.query_filtered::<Entity, With<Cloth>>().single(world).expect("a cloth");
+    studio.set_frame(Duration::from_millis(16));
+    let ray = |x: f32| Ray3d::new(Vec3::new(x, 0.0, 1.0), Dir3::NEG_Z);
+    let shown = studio.film(8, |world, frame| match frame {
+        1 => world.trigger(CutCloth { entity: cloth, from: ray(-1.0), to: ray(1.0), reach: 5.0 }),
+        4 => world.trigger(ResetCloth { entity: cloth }),
+        _ => {}
+    });
+    let cloth = PIXELS_PER_METRE * PIXELS_PER_METRE;
+    assert!(shown.iter().all(|pixels| *pixels as f32 > 0.8 * cloth), "{shown:?} of {cloth} pixels");
+}
+
 /// A cloth, a lamp and a camera, without a window.
 struct Studio {
     app: App,
@@ -96,6 +113,10 @@ struct Studio {
 /// The picture that arrived last.
 #[derive(Resource, Default)]
 struct Arrived(Option<Image>);
+
+/// How many pixels of each frame are green.
+#[derive(Resource)]
+struct Film(Vec<usize>);
 
 impl Studio {
     fn new(pins: Pins) -> Self {
@@ -163,6 +184,22 @@ impl Studio {
             }
         }
         panic!("no picture arrived from the renderer");
+    }
+
+    /// Shows so many frames, before each of which `act` is done, and counts the green pixels of each.
+    fn film(&mut self, frames: usize, act: impl Fn(&mut World, usize)) -> Vec<usize> {
+        self.app.insert_resource(Film(vec![0; frames]));
+        for frame in 0..frames {
+            act(self.app.world_mut(), frame);
+            let arrive = move |captured: On<ScreenshotCaptured>, mut film: ResMut<Film>| {
+                let picture = Picture::read(&captured.image);
+                film.0[frame] = picture.is_green.iter().filter(|is_green| **is_green).count();
+            };
+            self.app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(arrive);
+            self.app.update();
+        }
+        self.picture(FRONT, FRONT);
+        self.app.world().resource::<Film>().0.clone()
     }
 
     fn set_frame(&mut self, length: Duration) {

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::{Pose, measure};
 use bevy_cloth::{
-    Cloth, ClothCollider, ClothTopology, ColliderFriction, Gravity, IgniteCloth, Method, PinSelect, Pins, Shared,
-    Substeps, Weight, Weights, Wind,
+    Cloth, ClothCollider, ClothFire, ClothReset, ClothTopology, ColliderFriction, Gravity, IgniteCloth, Method,
+    PinSelect, Pins, Shared, Substeps, Weight, Weights, Wind,
 };
 use cloth_scene::{Scene, SceneCloth, SceneCollider, SceneFan, ScenePins, SceneShape, SceneZone, World as ScenePlay};
 
@@ -139,15 +139,28 @@ fn spawn_cloth(
 
 /// Where a cloth is to be lit as soon as it runs, in the world, m.
 #[derive(Component)]
+#[require(Unlit)]
 pub struct Lit(Vec<Vec3>);
 
-/// Holds the matches to each cloth that has begun to run.
-pub fn light(cloths: Query<(Entity, &Lit), With<ClothTopology>>, mut commands: Commands) {
+/// A cloth that is still to be lit, at first and after each reset.
+#[derive(Component, Default)]
+pub struct Unlit;
+
+/// Holds the matches to each cloth that has begun to run. One that burnt is whole again when its fire is gone.
+pub fn light(
+    mut reset: MessageReader<ClothReset>,
+    cloths: Query<(Entity, &Lit), (With<Unlit>, With<ClothTopology>, Without<ClothFire>)>,
+    lit: Query<(), With<Lit>>,
+    mut commands: Commands,
+) {
     for (entity, Lit(places)) in &cloths {
         for position in places {
             commands.trigger(IgniteCloth { entity, position: *position, radius: MATCH });
         }
-        commands.entity(entity).remove::<Lit>();
+        commands.entity(entity).remove::<Unlit>();
+    }
+    for ClothReset { entity } in reset.read().filter(|reset| lit.contains(reset.entity)) {
+        commands.entity(*entity).insert(Unlit);
     }
 }
 

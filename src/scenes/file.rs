@@ -146,14 +146,16 @@ pub struct Lit(Vec<Vec3>);
 #[derive(Component, Default)]
 pub struct Unlit;
 
-/// Holds the matches to each cloth that has begun to run. One that burnt is whole again when its fire is gone.
+/// Holds the matches to each cloth that has begun to run. One that burnt is whole again a
+/// tick after its reset.
 pub fn light(
     mut reset: MessageReader<ClothReset>,
-    cloths: Query<(Entity, &Lit), (With<Unlit>, With<ClothTopology>, Without<ClothFire>)>,
+    cloths: Query<(Entity, &Lit, Option<&ClothFire>), (With<Unlit>, With<ClothTopology>)>,
     lit: Query<(), With<Lit>>,
     mut commands: Commands,
 ) {
-    for (entity, Lit(places)) in &cloths {
+    let is_whole = |fire: &ClothFire| !fire.is_warm() && fire.char().iter().all(|char| *char == 0.0);
+    for (entity, Lit(places), _) in cloths.iter().filter(|(_, _, fire)| fire.is_none_or(is_whole)) {
         for position in places {
             commands.trigger(IgniteCloth { entity, position: *position, radius: MATCH });
         }
@@ -268,8 +270,11 @@ fn viewpoint(low: Vec3, high: Vec3) -> Viewpoint {
 
 #[cfg(test)]
 mod tests {
+    use bevy_cloth::{Flammable, ResetCloth};
+
     use super::*;
     use crate::scenes::catalog;
+    use crate::test_game::Game;
 
     fn scene(name: &str) -> Scene {
         match catalog::open(name) {
@@ -284,6 +289,20 @@ mod tests {
         let Weights(weights) = weights(spec);
         assert_eq!(weights[0].select, PinSelect::Vertices(vec![64 * 64 - 1]));
         assert_eq!(weights[0].mass, spec.weights[0].mass);
+    }
+
+    #[test]
+    fn a_cloth_that_is_opened_burning_burns_again_after_a_reset() {
+        let mut game = Game::new();
+        game.app.add_systems(Update, light);
+        let place = Vec3::new(0.0, 1.0, 0.0);
+        let cloth = (Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::top(), Flammable::default());
+        let cloth = game.spawn((cloth, Transform::from_xyz(0.0, 1.5, 0.0), Lit(vec![place])));
+        for _ in 0..2 {
+            game.run(1.0);
+            assert!(game.get::<ClothFire>(cloth).flaming() > 0, "it burns");
+            game.app.world_mut().trigger(ResetCloth { entity: cloth });
+        }
     }
 
     #[test]

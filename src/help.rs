@@ -9,6 +9,9 @@ use crate::keys;
 #[derive(Resource, Default)]
 pub struct HelpOpen(pub bool);
 
+/// Height of the help's title and of what is kept free above and below, points.
+const FRAME: f32 = 150.0;
+
 /// What the mouse does.
 const MOUSE: [(&str, &str); 10] = [
     ("left button", "the tool chosen in the row below; with the hand:"),
@@ -34,11 +37,14 @@ impl Plugin for HelpPlugin {
 
 fn show_help(mut contexts: EguiContexts, mut open: ResMut<HelpOpen>) -> Result {
     let context = contexts.ctx_mut()?;
+    let height = context.content_rect().height() - FRAME;
     let mut is_open = open.0;
     egui::Window::new("Help").open(&mut is_open).resizable(false).default_pos([24.0, 24.0]).show(context, |ui| {
-        table(ui, "Mouse", MOUSE.iter().map(|(key, meaning)| ((*key).into(), (*meaning).into())));
-        table(ui, "Keys", keys::descriptions().map(|(key, meaning)| (key.into(), meaning.into())));
-        table(ui, "Tools", keys::tools());
+        egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+            table(ui, "Mouse", MOUSE.iter().map(|(key, meaning)| ((*key).into(), (*meaning).into())));
+            table(ui, "Tools", keys::tools());
+            table(ui, "Keys", keys::descriptions().map(|(key, meaning)| (key.into(), meaning.into())));
+        });
     });
     if open.0 != is_open {
         open.0 = is_open;

@@ -22,6 +22,7 @@ use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_cloth::{
     Cloth, ClothColoring, ClothFlames, ClothLook, ClothPlugin, CutCloth, Flammable, IgniteCloth, Pattern, Pins,
+    ResetCloth,
 };
 
 const WIDTH: u32 = 320;
@@ -103,13 +104,14 @@ fn cloth_is_seen_in_every_frame_whatever_happens_to_it() {
         studio.film_until_seen();
         studio.set_frame(Duration::from_secs_f64(1.0 / 60.0));
         let ray = |x: f32| Ray3d::new(Vec3::new(x, 0.2, 1.0), Dir3::NEG_Z);
-        let happens: [(&str, &dyn Fn(&mut World)); 6] = [
+        let happens: [(&str, &dyn Fn(&mut World)); 7] = [
             ("its colours tell stress", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Stress))),
             ("its colours tell speed", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Speed))),
             ("its material is shown again", &|world| drop(world.entity_mut(cloth).remove::<ClothColoring>())),
             ("it is cut", &|world| {
                 world.trigger(CutCloth { entity: cloth, from: ray(-0.6), to: ray(0.1), reach: 2.0 });
             }),
+            ("it is put back", &|world| world.trigger(ResetCloth { entity: cloth })),
             ("it burns", &|world| {
                 let position = Vec3::new(0.3, -0.4, 0.0);
                 world.trigger(IgniteCloth { entity: cloth, position, radius: 0.05 });

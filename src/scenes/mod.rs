@@ -12,6 +12,8 @@ mod sliding;
 mod spawn;
 mod viewpoint;
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use bevy_cloth::{ClothClock, ClothColoring, ClothSubdivision, ClothTime, Gravity, Shared, Substeps, Wind};
 use bevy_cloth_inspector::{InspectorOpen, Selected};
@@ -83,7 +85,7 @@ impl Plugin for ScenesPlugin {
 /// Sets the clock and what every cloth shares, and spawns what the scene says in place of what was there.
 fn open_scene(
     open: On<OpenScene>,
-    old: Query<Entity, With<OfScene>>,
+    old: Query<Entity, (With<OfScene>, Allow<Disabled>)>,
     clock: Res<Time<ClothClock>>,
     mut fixed: ResMut<Time<Fixed>>,
     mut selected: ResMut<Selected>,

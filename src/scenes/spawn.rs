@@ -5,8 +5,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_cloth::cloth_solver::Pose;
 use bevy_cloth::{
-    Cloth, ClothCollider, ClothTopology, ColliderFriction, IgniteCloth, PinSelect, Pins, Substeps, Tearable, Weight,
-    Weights,
+    Cloth, ClothCollider, ClothFire, ClothReset, ClothTopology, ColliderFriction, IgniteCloth, PinSelect, Pins,
+    Substeps, Tearable, Weight, Weights,
 };
 use cloth_scene::{Finish, Hardware, Scene, SceneCloth, SceneFan, ScenePins, SceneProp, SceneShape, SceneZone};
 
@@ -175,15 +175,29 @@ fn cut_out(spec: &SceneCloth) -> Option<Mesh> {
 
 /// Where a cloth is to be lit as soon as it runs, in the world, m.
 #[derive(Component)]
+#[require(Unlit)]
 pub struct Lit(Vec<Vec3>);
 
-/// Holds the matches to each cloth that has begun to run.
-pub fn light(cloths: Query<(Entity, &Lit), With<ClothTopology>>, mut commands: Commands) {
-    for (entity, Lit(places)) in &cloths {
+/// A cloth that is still to be lit, at first and after each reset.
+#[derive(Component, Default)]
+pub struct Unlit;
+
+/// Holds the matches to each cloth that has begun to run. One that burnt is whole again a tick after its reset.
+pub fn light(
+    mut reset: MessageReader<ClothReset>,
+    cloths: Query<(Entity, &Lit, Option<&ClothFire>), (With<Unlit>, With<ClothTopology>)>,
+    lit: Query<(), With<Lit>>,
+    mut commands: Commands,
+) {
+    let is_whole = |fire: &ClothFire| !fire.is_warm() && fire.char().iter().all(|char| *char == 0.0);
+    for (entity, Lit(places), _) in cloths.iter().filter(|(_, _, fire)| fire.is_none_or(is_whole)) {
         for position in places {
             commands.trigger(IgniteCloth { entity, position: *position, radius: MATCH });
         }
-        commands.entity(entity).remove::<Lit>();
+        commands.entity(entity).remove::<Unlit>();
+    }
+    for ClothReset { entity } in reset.read().filter(|reset| lit.contains(reset.entity)) {
+        commands.entity(*entity).insert(Unlit);
     }
 }
 
@@ -258,8 +272,25 @@ fn transform(pose: &Pose) -> Transform {
 
 #[cfg(test)]
 mod tests {
+    use bevy_cloth::{Flammable, ResetCloth};
+
     use super::*;
     use crate::scenes::open;
+    use crate::test_game::Game;
+
+    #[test]
+    fn a_cloth_that_is_opened_burning_burns_again_after_a_reset() {
+        let mut game = Game::new();
+        game.app.add_systems(Update, light);
+        let place = Vec3::new(0.0, 1.0, 0.0);
+        let cloth = (Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::top(), Flammable::default());
+        let cloth = game.spawn((cloth, Transform::from_xyz(0.0, 1.5, 0.0), Lit(vec![place])));
+        for _ in 0..2 {
+            game.run(1.0);
+            assert!(game.get::<ClothFire>(cloth).flaming() > 0, "it burns");
+            game.app.world_mut().trigger(ResetCloth { entity: cloth });
+        }
+    }
 
     #[test]
     fn a_weight_on_the_lower_right_corner_hangs_on_the_last_vertex() {

@@ -37,7 +37,7 @@ pub struct ParticlePins {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub struct ParticlePin {
-    /// The particle: an index into [`Particles`](crate::Particles), as [`ClothHit::particle`](crate::ClothHit) names it.
+    /// The particle: an index into [`Particles`], as `ClothHit::particle` names it.
     pub particle: u32,
     /// What the pin follows.
     pub to: PinTarget,

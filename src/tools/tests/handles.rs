@@ -1,6 +1,6 @@
 //! Handles of the gizmo, and rings, dragged with the mouse.
 
-use bevy::gizmos::transform_gizmo::AXIS_START_OFFSET;
+use bevy::gizmos::transform_gizmo::{AXIS_START_OFFSET, VIEW_RING_MAJOR};
 use bevy::prelude::*;
 use bevy_cloth::*;
 
@@ -59,6 +59,27 @@ fn a_handle_moves_the_object_along_its_axis_also_while_time_stands() {
         let moved = game.place(ball) - at;
         assert!(moved.x > 0.3 && moved.yz().length() < 1e-3, "paused: {paused}, moved by {moved}");
     }
+}
+
+#[test]
+fn the_outer_ring_turns_the_object_about_the_view() {
+    let mut game = Game::new();
+    let at = Vec3::new(0.0, 1.5, 0.0);
+    let box_ = (Selectable(1), ClothCollider::Cuboid { size: Vec3::splat(0.2) }, Transform::from_translation(at));
+    let box_ = game.spawn(box_);
+    game.select(box_);
+    game.press(KeyCode::KeyE);
+    game.run(0.1);
+    let handle = game.pixel_of(at + Vec3::X * 0.4 * VIEW_RING_MAJOR);
+    game.point_at(handle);
+    game.app.update();
+    game.press_left();
+    game.drag_to(handle + Vec2::new(-10.0, -30.0));
+    game.release_left();
+    game.app.update();
+    let (axis, angle) = game.get::<Transform>(box_).rotation.to_axis_angle();
+    assert!(axis.z.abs() > 0.99 && angle > 0.2, "about {axis} by {angle}");
+    assert_eq!(game.place(box_), at);
 }
 
 #[test]

@@ -69,10 +69,18 @@ pub(crate) fn measure(
             self_contact_bounded: own.is_some_and(SelfContacts::is_bounded),
             substeps: plan.substeps,
             largest_strain: measure::largest_strain(topology, particles),
-            rms_strain: measure::rms_strain(topology, particles),
+            rms_strain: rms_strain(topology, particles),
             rms_speed: measure::rms_speed(topology, particles),
             kinetic_energy: measure::kinetic_energy(particles),
             asleep,
         };
     }
+}
+
+/// Root mean square of the strains of all threads, stretched and compressed.
+fn rms_strain(topology: &ClothTopology, particles: &Particles) -> f32 {
+    let (count, squares) = measure::edge_strains(topology, particles)
+        .map(|(_, strain)| f64::from(strain).powi(2))
+        .fold((0_usize, 0.0), |(count, squares), square| (count + 1, squares + square));
+    (squares / count.max(1) as f64).sqrt() as f32
 }

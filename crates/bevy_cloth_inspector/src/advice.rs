@@ -122,7 +122,8 @@ impl Adviser {
                 if ui.button("stop").on_hover_text("Stops playing; what was found before stays.").clicked() {
                     self.running = None;
                 }
-                ui.add(egui::ProgressBar::new(part).desired_height(14.0).corner_radius(2.0));
+                let width = widgets::value_width(ui);
+                ui.add(egui::ProgressBar::new(part).desired_height(14.0).corner_radius(2.0).desired_width(width));
                 ui.ctx().request_repaint();
             }
             None => {

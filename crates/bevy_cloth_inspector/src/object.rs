@@ -95,7 +95,7 @@ fn kind_name(collider: &ClothCollider) -> &'static str {
 fn shape(ui: &mut egui::Ui, collider: &mut ClothCollider) {
     widgets::row(ui, "shape", "Form of the solid.", |ui| {
         let combo = egui::ComboBox::from_id_salt("shape").selected_text(kind_name(collider));
-        combo.width((ui.available_width() - 20.0).max(1.0)).truncate().show_ui(ui, |ui| {
+        combo.width(widgets::value_width(ui)).truncate().show_ui(ui, |ui| {
             for kind in kinds(collider) {
                 let same = std::mem::discriminant(&kind) == std::mem::discriminant(collider);
                 if ui.selectable_label(same, kind_name(&kind)).clicked() && !same {

@@ -20,10 +20,14 @@ const EDGE: f32 = 6.0;
 
 /// Size of a section's title, points.
 const TITLE: f32 = 13.5;
+/// Width of the scroll bar, logical pixels.
+const SCROLL_BAR: f32 = 7.0;
 /// Room for the arrow of a section, logical pixels.
 const INDENT: f32 = 13.0;
 /// Colour of labels: brighter than egui's, to be read beside a bright scene.
 const LABELS: egui::Color32 = egui::Color32::from_gray(185);
+/// Colour of remarks.
+const REMARKS: egui::Color32 = egui::Color32::from_gray(150);
 
 /// Draws the panel into the primary egui context, if it is open.
 pub fn show(world: &mut World) {
@@ -64,9 +68,16 @@ pub(crate) fn draw(context: &egui::Context, world: &mut World) -> f32 {
             ui.set_min_size(size);
             ui.set_max_size(size);
             ui.spacing_mut().indent = INDENT;
+            // A bar that grew under the pointer would cover the reset buttons.
+            ui.spacing_mut().scroll = egui::style::ScrollStyle {
+                bar_width: SCROLL_BAR,
+                floating_allocated_width: SCROLL_BAR,
+                ..egui::style::ScrollStyle::floating()
+            };
             let visuals = ui.visuals_mut();
             visuals.indent_has_left_vline = false;
             visuals.widgets.noninteractive.fg_stroke.color = LABELS;
+            visuals.weak_text_color = Some(REMARKS);
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| sections(ui, world));
         });
         resize(ui, whole, width, world);

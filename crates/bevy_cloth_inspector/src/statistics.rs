@@ -98,7 +98,8 @@ fn times(ui: &mut egui::Ui, world: &World) {
     for (name, hint, time) in phases {
         widgets::row(ui, name, hint, |ui| {
             let bar = egui::ProgressBar::new((time / whole.max(1e-9)) as f32).text(format!("{time:.2} ms"));
-            ui.add(bar.desired_height(14.0).corner_radius(2.0)).on_hover_text(hint);
+            let bar = bar.desired_height(14.0).corner_radius(2.0).desired_width(widgets::value_width(ui));
+            ui.add(bar).on_hover_text(hint);
         });
     }
     if whole > 0.0 {

@@ -14,7 +14,7 @@
 //! | module | what is in it |
 //! |---|---|
 //! | `value` | [`Value`]: a number, a vector of numbers, a count; [`Unit`] |
-//! | `rows` | [`row`], [`switch`], [`choice`], [`color`], [`reading`] |
+//! | `rows` | [`row`], [`switch`], [`choice`], [`color`], [`reading`], [`note`], [`refusal`] |
 //! | `edit` | [`edit`]: write a component back only if it differs |
 
 mod edit;
@@ -22,7 +22,7 @@ mod rows;
 mod value;
 
 pub use edit::{edit, edit_own_or_shared, edit_resource};
-pub use rows::{choice, color, note, reading, refusal, row, switch};
+pub use rows::{choice, color, note, reading, refusal, row, switch, value_width};
 pub use value::{Unit, Value};
 
 #[cfg(test)]

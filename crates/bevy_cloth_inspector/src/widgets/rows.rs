@@ -51,7 +51,7 @@ impl Row<'_> {
     /// The value, with room for the reset button behind it.
     fn value<R>(&self, ui: &mut egui::Ui, contents: impl FnOnce(&mut egui::Ui, f32) -> R) -> R {
         ui.spacing_mut().item_spacing.x = GAP;
-        contents(ui, ui.available_width() - RESET - GAP)
+        contents(ui, value_width(ui))
     }
 
     fn name(&self, ui: &mut egui::Ui, width: f32, unit: Option<&str>) {
@@ -81,6 +81,11 @@ pub(super) fn reset(ui: &mut egui::Ui, differs: bool) -> bool {
     }
     let button = egui::Button::new("⟲").frame(false).min_size(size);
     ui.add(button).on_hover_text("Back to the default.").clicked()
+}
+
+/// Width of the value in the rest of a row, logical pixels: it leaves room for the reset button.
+pub fn value_width(ui: &egui::Ui) -> f32 {
+    (ui.available_width() - RESET - GAP).max(1.0)
 }
 
 /// A row with anything in it. `hint` is one plain sentence that says what it is.

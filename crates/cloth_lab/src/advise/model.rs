@@ -164,8 +164,8 @@ mod tests {
     #[test]
     fn explicit_methods_are_tried_only_where_their_step_is_within_reach() {
         let soft = Scene::from_ron("(cloths: [(cells: (4, 4))])").unwrap();
-        let budgets = budgets(Method::SymplecticEuler, &soft, false);
-        let [Change::Budget { substeps, .. }] = budgets[..] else { panic!("{budgets:?}") };
+        let stable = budgets(Method::SymplecticEuler, &soft, false);
+        let [Change::Budget { substeps, .. }] = stable[..] else { panic!("{stable:?}") };
         // Neighbours: 4/l² (Y/σ) twice and shear: ω = 2·4·√((2·5500 + 2·60)/0.15) = 2178 rad/s.
         assert!((18..=22).contains(&substeps), "{substeps}");
         let fine = Scene::from_ron("(cloths: [(cells: (200, 200))])").unwrap();

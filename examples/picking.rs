@@ -50,9 +50,9 @@ fn show(
 }
 
 fn on_click(mut click: On<Pointer<Click>>) {
+    // Else the window would be told of it, too.
+    click.propagate(false);
     if let Some(hit) = click.hit.extra_as::<ClothHit>() {
-        // It is not told to the window as well.
-        click.propagate(false);
         info!("clicked at {:?}, nearest to particle {} of {}", click.hit.position, hit.particle, click.entity);
     }
 }

@@ -44,7 +44,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         MeshMaterial3d(materials.add(Color::srgb(0.6, 0.6, 0.6))),
     ));
     commands
-        .spawn((Camera3d::default(), Transform::from_xyz(0.3, 1.1, 2.0).looking_at(Vec3::new(0.0, 0.2, 0.0), Vec3::Y)));
+        .spawn((Camera3d::default(), Transform::from_xyz(0.2, 0.8, 1.5).looking_at(Vec3::new(0.0, 0.2, 0.0), Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),

@@ -3,7 +3,8 @@
 
 use bevy::prelude::*;
 use bevy_cloth::{
-    Cloth, ClothFrame, ClothPlugin, ClothSchedule, ClothSleep, ClothSystems, ClothTopology, Fabric, Particles, Pins,
+    Cloth, ClothCollider, ClothFrame, ClothPlugin, ClothSchedule, ClothSleep, ClothSystems, ClothTopology, Fabric,
+    Particles, Pins,
 };
 
 /// The magnet, and the acceleration that it gives cloth at its surface, m/s².
@@ -36,7 +37,8 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         MeshMaterial3d(materials.add(Color::srgb(0.45, 0.5, 0.6))),
     ));
     commands.spawn((
-        Magnet(60.0),
+        Magnet(30.0),
+        ClothCollider::Sphere { radius: RADIUS },
         Mesh3d(meshes.add(Sphere::new(RADIUS))),
         MeshMaterial3d(materials.add(Color::srgb(0.8, 0.15, 0.15))),
         Transform::from_xyz(0.0, -0.2, 0.35),

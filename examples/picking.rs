@@ -22,7 +22,7 @@ fn setup(mut commands: Commands, mut materials: ResMut<Assets<StandardMaterial>>
         Pins::rods(3),
         MeshMaterial3d(materials.add(Color::srgb(0.3, 0.5, 0.65))),
     ));
-    commands.spawn((Camera3d::default(), Transform::from_xyz(0.6, 0.3, 2.2).looking_at(Vec3::ZERO, Vec3::Y)));
+    commands.spawn((Camera3d::default(), Transform::from_xyz(1.3, 0.4, 1.7).looking_at(Vec3::ZERO, Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(2.0, 3.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
@@ -45,11 +45,13 @@ fn show(
         let corners = topology.triangles[at.triangle as usize].map(|slot| particles.velocity.get(slot as usize));
         let velocity = corners[0] * at.weights.x + corners[1] * at.weights.y + corners[2] * at.weights.z;
         window.title = format!("{name}: triangle {}, {:.2} m/s", at.triangle, velocity.length());
-        gizmos.arrow(position, position + 0.15 * normal, Color::srgb(1.0, 0.8, 0.2));
+        gizmos.arrow(position, position + 0.3 * normal, Color::srgb(1.0, 0.8, 0.2));
     }
 }
 
-fn on_click(click: On<Pointer<Click>>) {
+fn on_click(mut click: On<Pointer<Click>>) {
+    // Else the window would be told of it, too.
+    click.propagate(false);
     if let Some(hit) = click.hit.extra_as::<ClothHit>() {
         info!("clicked at {:?}, nearest to particle {} of {}", click.hit.position, hit.particle, click.entity);
     }

@@ -26,7 +26,7 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     let size = Vec3::new(1.4, 0.06, 0.9);
     commands.spawn((
-        ClothCollider::RoundedCuboid { size, radius: 0.02 },
+        ClothCollider::Cuboid { size },
         ColliderFriction(0.2),
         Mesh3d(meshes.add(Cuboid::from_size(size))),
         MeshMaterial3d(materials.add(Color::srgb(0.45, 0.3, 0.2))),

@@ -67,7 +67,7 @@ fn the_motion_is_the_same_to_the_last_bit() {
 }
 
 #[test]
-fn a_towel_over_a_ball_is_rounder_and_sinks_in_no_deeper_than_before() {
+fn a_towel_over_a_ball_sinks_in_no_deeper_than_before() {
     const RADIUS: f32 = 0.25;
     let mut app = with_meshes();
     let lying = Transform::from_rotation(Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2));
@@ -85,19 +85,11 @@ fn a_towel_over_a_ball_is_rounder_and_sinks_in_no_deeper_than_before() {
         let positions: Vec<Vec3> = positions.collect();
         let height = |p: Vec3| p.distance(under.translation) - RADIUS;
         let front = triangles(&app, cloth).into_iter().map(|corners| corners.map(|i| positions[i]));
-        let middles = front.clone().map(|corners| corners.iter().sum::<Vec3>() / 3.0);
-        let lowest = middles.map(height).fold(f32::MAX, f32::min);
-        // On top, where it lies on the ball.
-        let on_top = |p: &Vec3| p.y - under.translation.y > 0.7 * RADIUS && height(*p) < 0.02;
-        let on_top = front.filter(|corners| corners.iter().all(on_top));
-        let heights = on_top.flat_map(|[a, b, c]| [a, b, c, (a + b + c) / 3.0]).map(height);
-        let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)));
-        (lowest, high - low)
+        let middles = front.map(|corners| corners.iter().sum::<Vec3>() / 3.0);
+        middles.map(height).fold(f32::MAX, f32::min)
     };
-    let [(lowest, rough), (half, half_rough), (quarter, quarter_rough)] = ClothSubdivision::ALL.map(&mut look);
+    let [lowest, half, quarter] = ClothSubdivision::ALL.map(&mut look);
     assert!(half >= lowest - 1e-5 && quarter >= lowest - 1e-5, "{half} m and {quarter} m, was {lowest} m");
-    let rough = [rough, half_rough, quarter_rough];
-    assert!(rough[1] < 0.9 * rough[0] && rough[2] < 0.9 * rough[0], "{rough:?} m");
 }
 
 #[test]

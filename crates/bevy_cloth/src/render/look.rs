@@ -27,7 +27,7 @@ pub struct ClothLook {
     /// How strongly the fibres that stand out shine where the cloth is seen edge-on, 0..=1; default as usual for the weave.
     /// Velvet 1, satin 0.
     pub sheen: f32,
-    /// Which part of the light shines through, 0..=1; default as usual for the weave. Voile 0.6, denim 0.02.
+    /// Which part of the light shines through, 0..=1; default as usual for the weave. Voile 0.7, denim 0.02.
     pub translucency: f32,
     /// How smooth the threads are, 0..=1: 0 matt cotton, 1 silk that shines. Default as usual for the weave.
     pub gloss: f32,
@@ -136,7 +136,7 @@ impl ClothLook {
 
     /// Thin voile, through which light falls.
     pub const fn voile(color: Color) -> Self {
-        Self { threads: 1500.0, sheen: 0.1, translucency: 0.6, ..Self::new(Weave::Plain, color) }
+        Self { threads: 1500.0, sheen: 0.1, translucency: 0.7, ..Self::new(Weave::Plain, color) }
     }
 
     /// Heavy canvas.

@@ -197,13 +197,13 @@ impl FabricUniform {
         };
         // How the threads stand out, how creased and how uneven the fabric is.
         let (relief, crumple, slub) = match look.weave {
-            Weave::Plain => (0.8, 0.55, 0.35),
-            Weave::Twill => (0.9, 0.4, 0.5),
+            Weave::Plain => (0.8, 0.3, 0.35),
+            Weave::Twill => (0.9, 0.25, 0.5),
             Weave::Satin => (0.25, 0.08, 0.2),
-            Weave::Terry => (1.2, 0.4, 0.5),
-            Weave::Knit => (0.9, 0.35, 0.4),
-            Weave::Ripstop => (0.5, 0.7, 0.2),
-            Weave::Velvet => (0.7, 0.35, 0.5),
+            Weave::Terry => (1.2, 0.3, 0.5),
+            Weave::Knit => (0.9, 0.25, 0.4),
+            Weave::Ripstop => (0.5, 0.5, 0.2),
+            Weave::Velvet => (0.7, 0.25, 0.5),
         };
         let color = LinearRgba::from(look.color);
         let other = if look.pattern == Pattern::None { color } else { LinearRgba::WHITE };

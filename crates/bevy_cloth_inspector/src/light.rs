@@ -24,7 +24,7 @@ pub fn show(ui: &mut egui::Ui, world: &mut World) {
         ui.push_id(entity, |ui| {
             ui.strong(name);
             if let Some(light) = world.get::<DirectionalLight>(entity) {
-                let mut after = light.clone();
+                let mut after = *light;
                 if values(ui, &mut after)
                     && let Some(mut light) = world.get_mut::<DirectionalLight>(entity)
                 {

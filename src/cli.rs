@@ -25,9 +25,9 @@ pub struct Options {
     )]
     pub scene: Box<Scene>,
 
-    /// Size of the window or picture in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1280x720")]
-    pub size: Size,
+    /// Size of the window or picture in pixels; left out, 1280x720.
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
 
     /// Take a picture without opening a window, write it to FILE (.png) and exit.
     #[arg(long, value_name = "FILE", value_parser = png_path)]
@@ -83,6 +83,13 @@ pub enum Coloring {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub UVec2);
 
+impl Options {
+    /// Width and height in pixels.
+    pub fn pixels(&self) -> UVec2 {
+        self.size.map_or(UVec2::new(1280, 720), |size| size.0)
+    }
+}
+
 impl Size {
     const SMALLEST: u32 = 16;
     const LARGEST: u32 = 8192;
@@ -135,7 +142,7 @@ mod tests {
     fn no_arguments_open_the_sandbox_in_a_window() {
         let options = parse(&[]).expect("valid");
         assert_eq!(options.scene.title, "Sandbox");
-        assert_eq!(options.size, Size(UVec2::new(1280, 720)));
+        assert_eq!((options.size, options.pixels()), (None, UVec2::new(1280, 720)));
         assert_eq!(options.screenshot, None);
     }
 
@@ -164,6 +171,7 @@ mod tests {
             (&["--screenshot", "out.bmp"], "only .png"),
             (&["--screenshot", "out.png", "--at", "NaN"], "out of range"),
             (&["--at", "3"], "--screenshot"),
+            (&["--rate", "30"], "--record"),
             (&["--scene", "circus"], "sandbox"),
             (&["--scene", "no/such.ron"], "No such file"),
         ] {

@@ -8,6 +8,7 @@ mod keys;
 mod look;
 mod menu;
 mod mouse;
+mod processor;
 mod readout;
 mod record;
 mod scenes;
@@ -35,11 +36,12 @@ fn main() -> AppExit {
         rate: f64::from(options.rate),
         seconds: options.seconds,
     };
+    let processor = processor::ProcessorPlugin { sized: options.size.is_some() };
     match &options.screenshot {
         Some(file) => {
-            app.add_plugins(screenshot::ScreenshotPlugin { file: file.clone(), at: options.at, size: options.size.0 })
+            app.add_plugins(screenshot::ScreenshotPlugin { file: file.clone(), at: options.at, size: options.pixels() })
         }
-        None => app.add_plugins((window::WindowedPlugin { size: options.size.0 }, record)),
+        None => app.add_plugins((window::WindowedPlugin { size: options.pixels() }, record, processor)),
     };
     app.add_plugins((
         EguiPlugin::default(),

@@ -97,7 +97,7 @@ pub fn show(mut contexts: EguiContexts, compared: Res<Compared>) -> Result {
     let context = contexts.ctx_mut()?;
     let Some(first) = compared.names.first() else { return Ok(()) };
     egui::Window::new("Side by side")
-        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -64.0])
+        .anchor(egui::Align2::LEFT_TOP, [12.0, 52.0])
         .resizable(false)
         .title_bar(false)
         .show(context, |ui| {

@@ -88,7 +88,7 @@ pub fn show(mut contexts: EguiContexts, burnt: Res<Burnt>) -> Result {
     let context = contexts.ctx_mut()?;
     let mut courses: Vec<&Course> = burnt.cloths.values().collect();
     courses.sort_unstable_by(|a, b| a.name.cmp(&b.name));
-    egui::Window::new("Fire").anchor(egui::Align2::LEFT_BOTTOM, [12.0, -64.0]).resizable(false).title_bar(false).show(
+    egui::Window::new("Fire").anchor(egui::Align2::LEFT_TOP, [12.0, 52.0]).resizable(false).title_bar(false).show(
         context,
         |ui| {
             egui::Grid::new("fires").num_columns(5).striped(true).spacing([14.0, 4.0]).show(ui, |ui| {

@@ -29,6 +29,8 @@ pub(crate) struct Drawing {
     tangent_frame: TangentFrame,
     shares: Vec<f32>,
     folds: Folds,
+    /// For each slot what fire and water did, see [`wear::burn_and_wet`].
+    marks: Vec<[f32; 2]>,
     /// For each slot 0 at a torn edge, 1 away from all.
     fray: Vec<f32>,
     /// Metres of cloth along a unit of u and of v.
@@ -56,6 +58,7 @@ impl Drawing {
             tangent_frame: TangentFrame::new(&topology.triangle_vertices, uvs),
             shares: Vec::new(),
             folds: Folds::default(),
+            marks: Vec::new(),
             fray,
             metres: metres.unwrap_or_else(|| wear::metres_per_uv(topology, uvs)),
             relation: Affine3A::IDENTITY,
@@ -237,8 +240,9 @@ impl Drawing {
         if let Some(VertexAttributeValues::Float32x2(marks)) = values(mesh, Mesh::ATTRIBUTE_UV_1)
             && self.has_look
         {
+            wear::marks(topology, told.fire(), &mut self.marks);
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
-                let mark = wear::burn_and_wet(told.fire(), *slot);
+                let mark = self.marks[*slot as usize];
                 (marks[vertex], marks[vertex + back]) = (mark, mark);
             }
         }

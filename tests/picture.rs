@@ -105,9 +105,15 @@ fn cloth_is_seen_in_every_frame_whatever_happens_to_it() {
         studio.set_frame(Duration::from_secs_f64(1.0 / 60.0));
         let ray = |x: f32| Ray3d::new(Vec3::new(x, 0.2, 1.0), Dir3::NEG_Z);
         let happens: [(&str, &dyn Fn(&mut World)); 7] = [
-            ("its colours tell stress", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Stress))),
-            ("its colours tell speed", &|world| drop(world.entity_mut(cloth).insert(ClothColoring::Speed))),
-            ("its material is shown again", &|world| drop(world.entity_mut(cloth).remove::<ClothColoring>())),
+            ("its colours tell stress", &|world| {
+                world.entity_mut(cloth).insert(ClothColoring::Stress);
+            }),
+            ("its colours tell speed", &|world| {
+                world.entity_mut(cloth).insert(ClothColoring::Speed);
+            }),
+            ("its material is shown again", &|world| {
+                world.entity_mut(cloth).remove::<ClothColoring>();
+            }),
             ("it is cut", &|world| {
                 world.trigger(CutCloth { entity: cloth, from: ray(-0.6), to: ray(0.1), reach: 2.0 });
             }),

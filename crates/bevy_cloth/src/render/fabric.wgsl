@@ -60,10 +60,7 @@ fn threads_light(in: PbrInput, weft: vec3<f32>, warp: vec3<f32>, sheen: vec3<f32
     for (var i = 0u; i < view_bindings::lights.n_directional_lights; i += 1u) {
         let light = &view_bindings::lights.directional_lights[i];
         let L = (*light).direction_to_light.xyz;
-        let NdotL = dot(in.N, L);
-        if NdotL <= 0.0 {
-            continue;
-        }
+        let NdotL = max(dot(in.N, L), 1e-4);
         var shadow = 1.0;
         if (in.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u
             && ((*light).flags & mesh_view_types::DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u {
@@ -150,8 +147,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     albedo = mix(albedo, lively, sheen * edge_on * 0.55);
 
     pbr.material.base_color = vec4(albedo, 1.0);
-    pbr.material.perceptual_roughness = mix(pbr.material.perceptual_roughness, 0.38, 0.8 * wet);
-    pbr.material.reflectance = mix(pbr.material.reflectance, vec3(0.45), wet);
+    pbr.material.perceptual_roughness = mix(pbr.material.perceptual_roughness, 0.5, 0.8 * wet);
+    pbr.material.reflectance = mix(pbr.material.reflectance, vec3(0.35), wet);
     let thin = 1.0 + 0.7 * (mean.b - threads.b);
     pbr.material.diffuse_transmission = saturate(fabric.translucency * thin * (1.0 + 0.3 * wet)) * (1.0 - char_share);
     let rim = smoothstep(1.7, 2.6, burn + 0.8 * (fine_clouds.g - 0.5));

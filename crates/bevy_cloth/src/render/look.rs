@@ -6,7 +6,7 @@ use bevy::prelude::*;
 ///
 /// A cloth with this component is drawn with a fabric material of its own: threads that are seen near by, folds that
 /// darken, light that shines through, torn edges that fray, burnt holes with irregular rims, wet cloth that is darker. A
-/// `StandardMaterial` of the entity is put aside meanwhile. Insert, change and remove it at any time. Out-of-range numbers
+/// `StandardMaterial` of the entity is put aside meanwhile; a material of any other kind is not: take it off. Insert, change and remove it at any time. Out-of-range numbers
 /// are clamped.
 ///
 /// Needs a renderer: add [`ClothPlugin`](crate::ClothPlugin) after `DefaultPlugins`. Without a renderer it does nothing.

@@ -21,7 +21,10 @@ const SMOOTHING: usize = 3;
 const HALF_LIGHT: f32 = 25.0;
 
 /// The least part of the light that reaches the inside of a fold.
-const LEAST_LIGHT: f32 = 0.35;
+const LEAST_LIGHT: f32 = 0.4;
+
+/// How often water is averaged over neighbors.
+const SPREADING: usize = 3;
 
 /// Water that makes cloth look all wet, kg/m².
 const SOAKED: f32 = 0.25;
@@ -36,7 +39,7 @@ pub(crate) fn uvs<'a>(topology: &Topology, skin: &'a Skin) -> Cow<'a, [Vec2]> {
         return Cow::Borrowed(&skin.uvs);
     }
     let flat = |slot: &u32| topology.rest[*slot as usize];
-    Cow::Owned(topology.vertex_particle.iter().map(|slot| flat(slot)).map(|p| Vec2::new(p.x, p.z - p.y)).collect())
+    Cow::Owned(topology.vertex_particle.iter().map(flat).map(|p| Vec2::new(p.x, p.z - p.y)).collect())
 }
 
 /// Metres of cloth along a unit of u and of v, the mean over all triangles.
@@ -161,6 +164,30 @@ pub(crate) fn burn_and_wet(fire: Option<&Fire>, slot: u32) -> [f32; 2] {
     let wet = (fire.moisture()[at] / SOAKED).clamp(0.0, 1.0);
     let hot = ((fire.temperature()[at] - GLOW.0) / (GLOW.1 - GLOW.0)).clamp(0.0, 1.0);
     [burn, if wet > 0.0 { wet } else { -hot * (4.0 * char - 1.0).clamp(0.0, 1.0) }]
+}
+
+/// Fills `marks`, one for each slot, with [`burn_and_wet`]. Water is spread a little, so that its rim does not follow the
+/// cells.
+pub(crate) fn marks(topology: &Topology, fire: Option<&Fire>, marks: &mut Vec<[f32; 2]>) {
+    marks.clear();
+    marks.extend((0..topology.slots() as u32).map(|slot| burn_and_wet(fire, slot)));
+    if !marks.iter().any(|[_, wet]| *wet > 0.0) {
+        return;
+    }
+    let mut sums = Vec::with_capacity(marks.len());
+    for _ in 0..SPREADING {
+        sums.clear();
+        sums.extend(marks.iter().map(|[_, wet]| (2.0 * wet, 2.0)));
+        for [a, b] in topology.edges.iter().map(|edge| edge.map(|slot| slot as usize)) {
+            let (of_a, of_b) = (marks[a][1].max(0.0), marks[b][1].max(0.0));
+            sums[a] = (sums[a].0 + of_b, sums[a].1 + 1.0);
+            sums[b] = (sums[b].0 + of_a, sums[b].1 + 1.0);
+        }
+        // What glows stays as hot as it is.
+        for (mark, (sum, count)) in marks.iter_mut().zip(&sums).filter(|(mark, _)| mark[1] >= 0.0) {
+            mark[1] = sum / count;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -226,6 +226,7 @@ fn texture(texels: &[[f32; 4]]) -> Image {
     let mut image = Image::new_uninit(size, TextureDimension::D2, TextureFormat::Rgba8Unorm, usage);
     image.data = Some(data);
     image.texture_descriptor.mip_level_count = levels;
+    // Not anisotropic: Mesa's software renderer can then hang in a sample of a given level.
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         address_mode_u: ImageAddressMode::Repeat,
         address_mode_v: ImageAddressMode::Repeat,

@@ -34,6 +34,8 @@ pub(crate) struct Drawing {
     /// With a subdivision, for each slot the unit normal of the solid it lies on, or zero. Empty where nothing touches.
     supports: Vec<Vec3>,
     folds: Folds,
+    /// For each slot what fire and water did, see [`wear::burn_and_wet`].
+    marks: Vec<[f32; 2]>,
     /// For each slot 0 at a torn edge, 1 away from all.
     fray: Vec<f32>,
     /// Metres of cloth along a unit of u and of v.
@@ -69,6 +71,7 @@ impl Drawing {
             subdivision,
             supports: Vec::new(),
             folds: Folds::default(),
+            marks: Vec::new(),
             fray,
             metres: metres.unwrap_or_else(|| wear::metres_per_uv(topology, uvs)),
             relation: Affine3A::IDENTITY,
@@ -296,8 +299,9 @@ impl Drawing {
         if let Some(VertexAttributeValues::Float32x2(marks)) = values(mesh, Mesh::ATTRIBUTE_UV_1)
             && self.has_look
         {
+            wear::marks(topology, told.fire(), &mut self.marks);
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {
-                let mark = wear::burn_and_wet(told.fire(), *slot);
+                let mark = self.marks[*slot as usize];
                 (marks[vertex], marks[vertex + back]) = (mark, mark);
             }
             if let Some(fine) = fine {

@@ -27,15 +27,15 @@ pub const SANDBOX: &str = "sandbox";
 
 /// The scenes of the menu, inside the program: it runs wherever it is started from. The first nine are on the number keys.
 pub const MENU: [Entry; 9] = [
-    entry!("sandbox"),
-    entry!("flag"),
-    entry!("laundry"),
-    entry!("tablecloth"),
-    entry!("curtains"),
-    entry!("fire_test"),
-    entry!("trampoline"),
-    entry!("tearing"),
-    entry!("side_by_side"),
+    entry!("sandbox", picture),
+    entry!("flag", picture),
+    entry!("laundry", picture),
+    entry!("tablecloth", picture),
+    entry!("curtains", picture),
+    entry!("fire_test", picture),
+    entry!("trampoline", picture),
+    entry!("tearing", picture),
+    entry!("side_by_side", picture),
 ];
 
 /// Plain scenes, most of them the lab's.

@@ -79,7 +79,7 @@ pub fn cases(cells: u32) -> Vec<Case> {
 
 fn case(name: &'static str, cells: u32) -> Case {
     let mass = Fabric::COTTON_POPLIN.areal_density / (cells * cells) as f32;
-    let weight = vec![SceneWeight { at: Vec2::ONE, mass: WEIGHT * mass }];
+    let weight = vec![SceneWeight { at: Vec2::ONE, mass: WEIGHT * mass, body: None }];
     let cloth = SceneCloth { name: name.into(), cells: UVec2::splat(cells), ..SceneCloth::default() };
     let hung = |pins| SceneCloth { pins: vec![pins], damping: Some(SETTLING), ..cloth.clone() };
     let turned = |degrees| ScenePlace { turn: Vec3::X * degrees, ..ScenePlace::default() };

@@ -74,7 +74,7 @@ impl Subject {
             cells: UVec2::splat(cells),
             damping: Some(SETTLING),
             pins: vec![ScenePins::Corners],
-            weights: vec![SceneWeight { at: Vec2::ONE, mass }],
+            weights: vec![SceneWeight { at: Vec2::ONE, mass, body: None }],
             ..SceneCloth::default()
         };
         let mut subject = Self::at_rest(Scene { cloths: vec![cloth], ..Scene::default() }, true);

@@ -150,7 +150,7 @@ mod tests {
     fn a_screenshot_has_a_time() {
         let options = parse(&["--screenshot", "out.png", "--at", "2.5", "--size", "320x240"]).expect("valid");
         assert_eq!(options.at, 2.5);
-        assert_eq!(options.size, Size(UVec2::new(320, 240)));
+        assert_eq!(options.size, Some(Size(UVec2::new(320, 240))));
     }
 
     #[test]

@@ -24,7 +24,7 @@ use crate::mouse::MousePlugin;
 use crate::scenes::curtain_rod::CurtainRodPlugin;
 use crate::select::SelectPlugin;
 use crate::shapes::ShapesPlugin;
-use crate::throw::ThrowPlugin;
+use crate::throw::{FlightPlugin, ThrowPlugin};
 use crate::tools::ToolsPlugin;
 
 /// Size of the window, pixels.
@@ -73,7 +73,7 @@ impl Game {
                 SelectPlugin,
                 KeysPlugin,
             ))
-            .add_plugins((ThrowPlugin, ToolsPlugin));
+            .add_plugins((ThrowPlugin, FlightPlugin, ToolsPlugin));
         // Mesh picking needs what the renderer adds to a mesh.
         app.add_systems(PostUpdate, calculate_bounds).register_required_components::<Mesh3d, Visibility>();
         // Without a renderer nothing is ever visible in a view.

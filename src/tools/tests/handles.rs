@@ -31,7 +31,8 @@ impl Game {
         let mut game = Self::new();
         let curtain = (Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::rods(4), Selectable(1));
         let place = Transform::from_xyz(0.0, 2.0, 0.0);
-        let rod = curtain_rod::spawn(&mut game.app.world_mut().commands(), place, curtain);
+        let curtain = game.app.world_mut().spawn(curtain).id();
+        let rod = curtain_rod::hang(&mut game.app.world_mut().commands(), place, curtain, 1.0, false);
         game.app.world_mut().flush();
         game.app.world_mut().entity_mut(rod).insert(Selectable(2));
         game.run(0.2);

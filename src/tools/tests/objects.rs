@@ -114,8 +114,12 @@ fn a_reset_takes_pins_out_and_a_full_reset_is_asked_for_with_shift() {
 fn a_copied_rod_has_a_curtain_of_its_own_and_a_reset_leaves_the_first() {
     let mut game = Game::new();
     let curtain = (Cloth::rectangle(1.0, 1.0).with_cells(16, 16), Pins::rods(4), Selectable(1));
-    let rod = curtain_rod::spawn(&mut game.app.world_mut().commands(), Transform::from_xyz(0.0, 2.0, 0.0), curtain);
+    let curtain = game.app.world_mut().spawn(curtain).id();
+    let place = Transform::from_xyz(0.0, 2.0, 0.0);
+    let rod = curtain_rod::hang(&mut game.app.world_mut().commands(), place, curtain, 1.0, false);
     game.app.world_mut().flush();
+    // A click takes the curtain.
+    game.app.world_mut().entity_mut(rod).remove::<Selectable>();
     game.spawn((Selectable(2), ClothCollider::default(), Transform::from_xyz(0.0, 0.0, -3.0)));
     game.run(0.2);
     game.press(KeyCode::BracketLeft);

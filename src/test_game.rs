@@ -20,6 +20,7 @@ use bevy_egui::input::EguiWantsInput;
 use crate::fans::FansPlugin;
 use crate::help::HelpOpen;
 use crate::keys::KeysPlugin;
+use crate::menu::MenuOpen;
 use crate::mouse::MousePlugin;
 use crate::scenes::curtain_rod::CurtainRodPlugin;
 use crate::select::SelectPlugin;
@@ -59,6 +60,7 @@ impl Game {
             .init_asset::<StandardMaterial>()
             .init_resource::<EguiWantsInput>()
             .init_resource::<HelpOpen>()
+            .init_resource::<MenuOpen>()
             .init_resource::<InspectorOpen>()
             .init_resource::<PanelWidth>()
             .init_resource::<Selected>()

@@ -1,6 +1,7 @@
 //! How a scene is lit and what is around it: sun, sky, light from all sides, haze, exposure, glow.
 
 mod cubemap;
+mod panel;
 mod sky;
 
 use bevy::camera::{Exposure, Hdr};
@@ -9,6 +10,7 @@ use bevy::light::{CascadeShadowConfigBuilder, Skybox};
 use bevy::post_process::bloom::{Bloom, BloomCompositeMode, BloomPrefilter};
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
+use bevy_cloth_inspector::InspectorAppExt;
 use cloth_scene::{SceneView, Setting};
 
 use cubemap::Cubemap;
@@ -38,8 +40,12 @@ impl Plugin for LookPlugin {
         app.init_resource::<View>()
             .insert_resource(ClearColor(Color::BLACK))
             .insert_resource(GlobalAmbientLight::NONE)
+            .add_inspector_section("Scene", true, panel::show)
             .add_systems(Startup, spawn_sun)
-            .add_systems(PostUpdate, show.run_if(resource_changed::<View>.or_else(any_match_filter::<Added<Seeing>>)));
+            .add_systems(
+                PostUpdate,
+                show.run_if(resource_exists_and_changed::<View>.or_else(any_match_filter::<Added<Seeing>>)),
+            );
     }
 }
 

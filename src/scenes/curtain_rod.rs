@@ -42,7 +42,7 @@ impl CurtainRod {
 }
 
 /// A part of a rod that is made anew when the curtain's width or pins change.
-#[derive(Component)]
+#[derive(Component, Clone, Copy)]
 struct Fitting;
 
 /// A ring with its clip: what slides along the rod, of which it is a child.

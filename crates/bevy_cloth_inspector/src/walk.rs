@@ -21,7 +21,9 @@ fn full() -> (App, Vec<Entity>) {
         ClothDiagnosticsPlugin,
     ));
     app.init_asset::<StandardMaterial>().init_asset::<Mesh>().init_asset::<Image>();
-    app.init_resource::<ClothPicking>();
+    // A tick in each update, however fast the machine.
+    let tick = std::time::Duration::from_micros(15625);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(tick)).init_resource::<ClothPicking>();
     crate::init_resources(app.world_mut());
     app.add_inspector_section("Own", true, |InMut(ui): InMut<egui::Ui>| {
         crate::widgets::reading(ui, "own", "Something of the app.", "yes");

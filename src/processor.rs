@@ -33,7 +33,9 @@ impl Plugin for ProcessorPlugin {
             }
             commands.insert_resource(Notice);
             smooth.0 = ClothSubdivision::None;
-            cameras.iter().for_each(|camera| drop(commands.entity(camera).insert(Msaa::Off)));
+            for camera in &cameras {
+                commands.entity(camera).insert(Msaa::Off);
+            }
             if !sized {
                 windows.iter_mut().for_each(|mut window| window.resolution.set(SMALL.0, SMALL.1));
             }

@@ -52,7 +52,7 @@ fn is_software(adapter: &WgpuAdapterInfo) -> bool {
 
 fn show(mut contexts: EguiContexts, mut commands: Commands) -> Result {
     let context = contexts.ctx_mut()?;
-    egui::Area::new("processor".into()).anchor(egui::Align2::CENTER_TOP, [0.0, 10.0]).show(context, |ui| {
+    egui::Area::new("processor".into()).anchor(egui::Align2::LEFT_BOTTOM, [12.0, -92.0]).show(context, |ui| {
         egui::Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.label("No graphics processor was found: pictures are computed slowly, without smoothing.");

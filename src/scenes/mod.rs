@@ -92,7 +92,8 @@ fn open_scene(
     mut commands: Commands,
 ) {
     let scene = &open.0;
-    old.iter().for_each(|entity| commands.entity(entity).despawn());
+    // A curtain goes with its rod.
+    old.iter().for_each(|entity| commands.entity(entity).try_despawn());
     selected.0 = None;
     let (count, iterations) = (scene.substeps.min(200), scene.iterations.min(100));
     fixed.set_timestep_hz(f64::from(scene.rate));

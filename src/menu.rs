@@ -52,6 +52,8 @@ fn decode(png: &[u8]) -> Option<egui::ColorImage> {
 fn show_title(mut contexts: EguiContexts, mut open: ResMut<MenuOpen>, opened: Res<Opened>) -> Result {
     let context = contexts.ctx_mut()?;
     egui::Area::new("title".into()).anchor(egui::Align2::LEFT_TOP, [12.0, 10.0]).show(context, |ui| {
+        // An area remembers how wide it was: the next scene's name may be longer.
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         let name = if opened.scene.title.is_empty() { "Scenes" } else { &opened.scene.title };
         let button = ui.button(egui::RichText::new(format!("☰  {name}")).size(16.0));
         if button.on_hover_text(format!("{}\nM: all scenes", opened.scene.about)).clicked() {

@@ -148,7 +148,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
 
     pbr.material.base_color = vec4(albedo, 1.0);
     pbr.material.perceptual_roughness = mix(pbr.material.perceptual_roughness, 0.5, 0.8 * wet);
-    pbr.material.reflectance = mix(pbr.material.reflectance, vec3(0.35), wet);
+    // A pile breaks the film of water, so that it mirrors little.
+    pbr.material.reflectance = mix(pbr.material.reflectance, vec3(0.3 * (1.0 - 0.8 * fabric.pile)), wet);
     let thin = 1.0 + 0.7 * (mean.b - threads.b);
     pbr.material.diffuse_transmission = saturate(fabric.translucency * thin * (1.0 + 0.3 * wet)) * (1.0 - char_share);
     let rim = smoothstep(1.7, 2.6, burn + 0.8 * (fine_clouds.g - 0.5));

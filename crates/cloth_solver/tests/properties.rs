@@ -141,6 +141,28 @@ proptest! {
     }
 
     #[test]
+    fn ticks_of_changing_length_leave_hung_cloth_as_still_as_equal_ones(
+        drawn in drawn(12), how in 0_usize..4, lengths in prop::collection::vec(1.0_f32 / 240.0..1.0 / 20.0, 2..9),
+    ) {
+        let mut cloth = drawn.cloth(&drawn.fabric());
+        cloth.air = Some(Air::default());
+        hold_by(&mut cloth, how);
+        let (mut time, mut late) = (0.0, 0.0_f32);
+        for dt in lengths.iter().cycle() {
+            cloth.step(Tick::new(*dt), GRAVITY);
+            time += dt;
+            if time > 19.0 {
+                late = late.max(measure::rms_speed(&cloth.topology, &cloth.particles));
+            }
+            if time > 20.0 {
+                break;
+            }
+        }
+        prop_assert!(cloth.particles.is_finite());
+        prop_assert!(late < 0.03, "{late} m/s after 20 s");
+    }
+
+    #[test]
     fn a_swing_of_a_rectangle_gains_no_energy(drawn in drawn(12), angle in 5.0_f32..25.0, substeps in prop::sample::select(vec![5_u32, 10, 20])) {
         // A pendulum of a few centimetres turns too far in a fifth of a tick.
         prop_assume!(drawn.size.y > 0.12);
@@ -194,6 +216,25 @@ fn a_ball_at_any_speed_pushes_a_curtain_aside_and_leaves_it_at_rest() {
         assert!(most < 5.0 * speed.max(2.0), "{most} m/s after a ball at {speed} m/s");
         assert!(stretched < strain, "a strain of {stretched} from a ball at {speed} m/s");
         assert!(rest < 0.1, "{rest} m/s 5 s after a ball at {speed} m/s");
+    }
+}
+
+#[test]
+fn stiff_sheets_of_long_cells_come_to_rest_in_whatever_folds_they_fall() {
+    for (size, cells, how) in [([1.83, 1.85], [9, 10], 1), ([0.79, 1.31], [21, 10], 3), ([0.84, 0.9], [8, 14], 1)] {
+        let size = Vec2::from(size);
+        let mut cloth = rectangle(size.x, size.y, cells[0], cells[1], &Fabric::PAPER);
+        cloth.air = Some(Air::default());
+        hold_by(&mut cloth, how);
+        for slot in 0..cloth.topology.slots() {
+            let x = cloth.topology.rest[slot];
+            if cloth.particles.inverse_mass[slot] > 0.0 {
+                set(&mut cloth, slot, x + Vec3::Z * 0.02 * size.x * (5.0 * x.x / size.x).cos() * (0.5 * size.y - x.y));
+            }
+        }
+        run(&mut cloth, 15.0);
+        let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
+        assert!(speed < 0.03, "{speed} m/s: {size} of {cells:?} cells");
     }
 }
 

@@ -90,6 +90,7 @@ pub(crate) fn mend(
         if tick.still {
             particles.velocity.fill(Vec3::ZERO);
             history.position.copy_from(&particles.position);
+            constraints.pin_frames_mut().iter_mut().for_each(|motion| motion.from = motion.to);
         }
         clear_forces(&mut particles);
     }

@@ -100,7 +100,8 @@
 //! # Drawing
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
-//! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//! follow the cloth, interpolated between the last two ticks, and placed where what it hangs on is drawn: a cape does not lag behind
+//! its wearer. [`ShownShape`] tells where each particle is drawn. Without a material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
 //! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
@@ -143,6 +144,7 @@ mod groups;
 mod prepare;
 mod report;
 mod self_contact;
+mod shown;
 mod step;
 
 pub use air::Wind;
@@ -173,6 +175,7 @@ pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
+pub use shown::ShownShape;
 pub use sleep::{ClothAsleep, ClothSleep, WakeCause};
 pub use snapshot::ClothSnapshot;
 pub use stats::ClothStats;

@@ -20,7 +20,7 @@ use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
     Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, contact_view, damage, fault,
-    groups, prepare, self_contact, sleep, stats, step,
+    groups, prepare, self_contact, shown, sleep, stats, step,
 };
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
@@ -133,6 +133,7 @@ impl Plugin for ClothPlugin {
         sleep::plugin(app);
         contact::plugin(app);
         contact_view::plugin(app);
+        shown::plugin(app);
         app.add_observer(particle_pins::on_pin).add_observer(particle_pins::on_unpin);
         #[cfg(feature = "render")]
         crate::render::plugin(app);

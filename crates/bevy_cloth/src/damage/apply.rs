@@ -17,6 +17,7 @@ use crate::events::PiecesSeparated;
 use crate::prepare::ClothSkin;
 use crate::report::report;
 use crate::settings::Grabs;
+use crate::shown::ShownShape;
 
 /// What of a cloth has to follow when it is taken apart.
 #[derive(QueryData)]
@@ -29,6 +30,7 @@ pub(crate) struct Whole {
     pub particles: &'static mut Particles,
     pub constraints: &'static mut Constraints,
     pub history: &'static mut ClothHistory,
+    pub shown: &'static mut ShownShape,
     pub own: Option<&'static mut SelfContacts>,
     pub tear: Option<&'static mut TearState>,
     pub fire: Option<&'static mut ClothFire>,
@@ -51,6 +53,7 @@ impl WholeItem<'_, '_> {
         }
         self.history.position.follow(change);
         self.history.strokes.follow(change);
+        self.shown.follow(change);
         if let Some(tear) = &mut self.tear {
             tear.0.follow(change);
         }

@@ -193,9 +193,9 @@ impl Anchor {
 }
 
 impl Anchors {
-    /// Sees the entities that pins hang on before the first of several fixed steps in one frame.
-    pub fn look(&mut self, placements: &Placements) {
-        self.see(placements, Follow::look);
+    /// Sees the entities that pins hang on before the first fixed step in a frame.
+    pub fn look(&mut self, placements: &Placements, ticks: f32) {
+        self.see(placements, |follow, target| follow.look(target, ticks));
     }
 
     /// Sees where they are in this tick. One that is gone or nowhere leaves its pins where they are.
@@ -274,6 +274,20 @@ impl Anchors {
         for (anchor, motion) in self.all.iter_mut().zip(frames) {
             *motion = anchor.advance(frame);
         }
+    }
+
+    /// Where each frame of the pins of the cloth `entity` is at this moment, seen from `frame`: what they follow moves on between
+    /// ticks.
+    pub fn now(&self, entity: Entity, frame: &ClothFrame, placements: &Placements) -> impl Iterator<Item = Pose> {
+        let stands = |entity| placements.get(entity).map(|placement| placement.pose).filter(Pose::is_finite);
+        self.all.iter().map(move |anchor| {
+            let now = match anchor {
+                Anchor::Cloth => stands(entity).unwrap_or(frame.follow.target),
+                Anchor::World(pose) => *pose,
+                Anchor::Entity { entity, follow, .. } => stands(*entity).unwrap_or(follow.target),
+            };
+            relative(&frame.pose, &now)
+        })
     }
 
     /// The pins of [`Pins`], also those that [`ParticlePins`] releases.

@@ -27,6 +27,7 @@ use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Substeps};
+use crate::shown::ShownShape;
 use crate::sleep::{ClothAsleep, ClothSleep, wake_up};
 use crate::teleport::Teleport;
 use crate::weights::{Loads, Weights};
@@ -235,7 +236,7 @@ impl WantedItem<'_, '_> {
             let held = edited.and_then(|pins| constraints.set_pins(&mut particles, pins));
             self.authored.faults.particle_pins = held.err();
         }
-        let plan = (StepPlan::default(), Rest::default());
+        let plan = (StepPlan::default(), Rest::default(), ShownShape::default());
         Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, plan))
     }
 

@@ -71,11 +71,11 @@ impl StepPlan {
         }
     }
 
-    /// Sees the hands before the first of several fixed steps in one frame.
-    pub fn look(&mut self, grabs: Option<&Grabs>) {
+    /// Sees the hands before the first fixed step in a frame.
+    pub fn look(&mut self, grabs: Option<&Grabs>, ticks: f32) {
         for grab in grabs.iter().flat_map(|grabs| &grabs.0) {
             if let Some((_, follow)) = self.hands.iter_mut().find(|(hand, _)| *hand == grab.hand) {
-                follow.look(pulled_to(grab));
+                follow.look(pulled_to(grab), ticks);
             }
         }
     }

@@ -15,12 +15,13 @@ use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::particle_pins::ParticlePins;
 use crate::self_contact::Tangled;
 use crate::settings::Grabs;
+use crate::shown::ShownShape;
 use crate::sleep::ClothAsleep;
 use crate::weights::Loads;
 
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
-    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs, ParticlePins),
+    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, ShownShape, Grabs, ParticlePins),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
     (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled),
 );

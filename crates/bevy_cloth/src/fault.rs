@@ -53,6 +53,9 @@ pub(crate) fn recover(
     if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, pins) {
         error!("the pins of a recovered cloth were lost: {error}");
     }
+    if let Err(error) = fresh.constraints.set_skin(&fresh.particles, constraints.skin().cloned()) {
+        error!("the skin of a recovered cloth was lost: {error}");
+    }
     (*particles, *constraints) = (fresh.particles, fresh.constraints);
 }
 

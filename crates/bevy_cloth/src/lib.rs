@@ -3,6 +3,7 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
+//! - [Skinned meshes](#skinned-meshes): [`Freedom`], [`BoneColliders`]
 //! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`ClothSleep`], [`Shared`]
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
@@ -39,6 +40,13 @@
 //! [`Fabric`] what it is made of, [`Pins`] what holds it, [`ParticlePins`] what is pinned by hand while it runs ([`PinParticle`],
 //! [`UnpinParticle`]), [`Weights`] what hangs on it. Solids are entities with a
 //! [`ClothCollider`].
+//!
+//! # Skinned meshes
+//! [`Cloth::mesh`] on an entity with a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) starts in the pose of its joints, and what is
+//! pinned to the cloth follows them. Paint how free each vertex is ([`ATTRIBUTE_FREEDOM`] or the red of the vertex colours: 0 pinned, 1
+//! free) and insert [`Freedom`], which says how far the free ones may get from where the joints take them. While it is a cloth the plugin
+//! takes `SkinnedMesh` off the entity, and gives it back with the mesh. [`BoneColliders`] on the root of an armature keeps cloth out of
+//! the body, by a capsule along each bone.
 //!
 //! # Settings
 //! [`Gravity`], [`Substeps`], [`Method`], [`Teleport`] and [`ClothSleep`] apply to every cloth as resources, [`Shared<Gravity>`](Shared) and so on; as
@@ -117,6 +125,7 @@
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
 
 pub mod air;
+pub mod bones;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
@@ -125,6 +134,7 @@ pub mod contact_view;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
+pub mod freedom;
 pub mod particle_pins;
 #[cfg(feature = "picking")]
 pub mod picking;
@@ -148,6 +158,7 @@ mod shown;
 mod step;
 
 pub use air::Wind;
+pub use bones::BoneColliders;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
 pub use cloth_solver::contact::{ContactPoint, SelfContact};
@@ -167,6 +178,7 @@ pub use events::{
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
     ContactEnded, DebrisGone, PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
+pub use freedom::{ATTRIBUTE_FREEDOM, Freedom};
 pub use particle_pins::{ParticlePin, ParticlePins, PinParticle, UnpinParticle};
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, ClothTool};

@@ -5,12 +5,14 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedEx
 use bevy::prelude::*;
 
 use crate::air::Wind;
+use crate::bones::BoneColliders;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
 use crate::events::{
     ClothRecovered, ClothRejected, ClothReset, ClothTangled, ClothUntangled, ColliderRejected, WindRejected,
 };
+use crate::freedom::Freedom;
 use crate::particle_pins::{self, ParticlePins};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
@@ -183,6 +185,8 @@ fn register_types(app: &mut App) {
         .register_type_data::<Fabric, ReflectDefault>()
         .register_type::<Pins>()
         .register_type::<ParticlePins>()
+        .register_type::<Freedom>()
+        .register_type::<BoneColliders>()
         .register_type::<Weights>()
         .register_type::<Air>()
         .register_type_data::<Air, ReflectComponent>()

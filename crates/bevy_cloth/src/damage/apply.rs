@@ -14,7 +14,7 @@ use super::pieces::ClothPieces;
 use super::tear::TearState;
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
 use crate::events::PiecesSeparated;
-use crate::prepare::ClothSkin;
+use crate::prepare::{Armature, ClothSkin};
 use crate::report::report;
 use crate::settings::Grabs;
 use crate::shown::ShownShape;
@@ -31,6 +31,7 @@ pub(crate) struct Whole {
     pub constraints: &'static mut Constraints,
     pub history: &'static mut ClothHistory,
     pub shown: &'static mut ShownShape,
+    pub armature: Option<&'static mut Armature>,
     pub own: Option<&'static mut SelfContacts>,
     pub tear: Option<&'static mut TearState>,
     pub fire: Option<&'static mut ClothFire>,
@@ -54,6 +55,9 @@ impl WholeItem<'_, '_> {
         self.history.position.follow(change);
         self.history.strokes.follow(change);
         self.shown.follow(change);
+        if let Some(armature) = &mut self.armature {
+            armature.follow(change);
+        }
         if let Some(tear) = &mut self.tear {
             tear.0.follow(change);
         }

@@ -1,15 +1,17 @@
 //! What pins hang on, and how it moves from tick to tick.
 
 use bevy::prelude::*;
-use cloth_solver::constraint::{Pin, Pins as SolverPins};
+use cloth_solver::constraint::{Pin, Pins as SolverPins, Skin as SolverSkin, SkinLimit, SkinPoint};
 use cloth_solver::{ClothError, Motion, Pose, Soa3, Topology};
 
+use super::armature::{Armature, normals};
 use super::follow::is_near;
 use super::placement::Placements;
-use super::select::select;
+use super::select::{freedom, select};
 use super::source::Skin;
 use super::{Follow, placed, relative};
 use crate::cloth::ClothFrame;
+use crate::freedom::Freedom;
 use crate::particle_pins::{ParticlePin, ParticlePins};
 use crate::pins::{PinTarget, Pins};
 use crate::step::ClothTick;
@@ -45,8 +47,18 @@ pub(crate) struct Anchors {
     all: Vec<Anchor>,
     /// How many of them are those of [`Pins`]; the others are those of [`ParticlePins`].
     authored: usize,
-    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    /// The pins of [`Pins`] and [`Freedom`], also those that [`ParticlePins`] releases.
     pins: Vec<Pin>,
+    /// What the joints of an armature take along, and how far what is free may get from there.
+    skin: Option<SolverSkin>,
+}
+
+/// What holds a cloth beside its pins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Worn<'a> {
+    pub pins: Option<&'a Pins>,
+    pub freedom: Option<&'a Freedom>,
+    pub armature: Option<&'a Armature>,
 }
 
 /// Whether `error` says that a pin's entity is not there (yet).
@@ -54,9 +66,9 @@ pub(crate) fn waits_for_entity(error: &ClothError) -> bool {
     matches!(error, ClothError::OutOfRange { field: TARGET_ENTITY, .. })
 }
 
-/// The solver's pins for `pins`, made at the present `position` of the particles, and what they hang on.
+/// The solver's pins for what is `worn`, made at the present `position` of the particles, and what they hang on.
 pub(crate) fn make(
-    pins: &Pins,
+    worn: Worn,
     topology: &Topology,
     skin: &Skin,
     position: &Soa3,
@@ -65,28 +77,80 @@ pub(crate) fn make(
 ) -> Result<(SolverPins, Anchors), ClothError> {
     let mut made = SolverPins::default();
     let mut anchors = Anchors::default();
+    let mut held = SolverSkin::default();
     let mut taken = vec![false; topology.slots()];
-    for group in &pins.0 {
-        let mut anchor = Anchor::new(group.to, frame, placements)?;
-        let index = anchors.all.iter().position(|known| *known == anchor).unwrap_or_else(|| {
-            made.frames.push(anchor.advance(frame));
-            anchors.all.push(anchor);
-            anchors.all.len() - 1
-        });
-        for slot in select(&group.select, topology, skin)? {
+    for joint in worn.armature.iter().flat_map(|armature| &armature.joints) {
+        let mut anchor = Anchor::new(PinTarget::Entity(*joint), frame, placements)?;
+        made.frames.push(anchor.advance(frame));
+        anchors.all.push(anchor);
+    }
+    let mut hold = |slots: &[u32], to: PinTarget, made: &mut SolverPins, anchors: &mut Anchors| {
+        let joints = worn.armature.filter(|_| to == PinTarget::Cloth);
+        let index = match joints {
+            Some(_) => 0,
+            None => anchors.index(to, made, frame, placements)?,
+        };
+        for slot in slots.iter().copied() {
             if std::mem::replace(&mut taken[slot as usize], true) {
                 continue;
             }
-            let local = match anchor {
-                Anchor::Cloth => topology.rest[slot as usize],
-                _ => made.frames[index].to.inverse_point(position.get(slot as usize)),
+            let pin = match (joints, to) {
+                (Some(armature), _) => {
+                    let point = armature.points[slot as usize];
+                    held.pins.push((slot, point));
+                    Pin { particle: slot, frame: point.frames[0], local: point.locals[0] }
+                }
+                (None, PinTarget::Cloth) => Pin { particle: slot, frame: index, local: topology.rest[slot as usize] },
+                (None, _) => {
+                    let local = made.frames[index as usize].to.inverse_point(position.get(slot as usize));
+                    Pin { particle: slot, frame: index, local }
+                }
             };
-            made.pins.push(Pin { particle: slot, frame: index as u32, local });
+            made.pins.push(pin);
+        }
+        Ok::<(), ClothError>(())
+    };
+    for group in worn.pins.iter().flat_map(|pins| &pins.0) {
+        hold(&select(&group.select, topology, skin)?, group.to, &mut made, &mut anchors)?;
+    }
+    if let Some(limits) = worn.freedom {
+        limits.validate()?;
+        let free = freedom(topology, skin)?;
+        let pinned: Vec<u32> = topology.particles().filter(|slot| free[*slot as usize] == 0.0).collect();
+        hold(&pinned, PinTarget::Cloth, &mut made, &mut anchors)?;
+        if limits.limits() {
+            let points = match worn.armature {
+                Some(armature) => armature.points.clone(),
+                None => {
+                    let index = anchors.index(PinTarget::Cloth, &mut made, frame, placements)?;
+                    fixed_points(topology, index)
+                }
+            };
+            let free = topology.particles().filter(|slot| !taken[*slot as usize]).map(|particle| SkinLimit {
+                particle,
+                point: points[particle as usize],
+                distance: limits.distance * free[particle as usize],
+                backstop: limits.backstop,
+            });
+            held.limits.extend(free);
         }
     }
     anchors.authored = anchors.all.len();
     anchors.pins.clone_from(&made.pins);
+    anchors.skin = (held != SolverSkin::default()).then_some(held);
     Ok((made, anchors))
+}
+
+/// For each slot its rest position in one frame.
+fn fixed_points(topology: &Topology, frame: u32) -> Vec<SkinPoint> {
+    let normals = normals(topology);
+    let point = |(rest, normal): (&Vec3, Vec3)| SkinPoint {
+        frames: [frame; 4],
+        weights: [1.0, 0.0, 0.0, 0.0],
+        locals: [*rest; 4],
+        normals: [normal; 4],
+    };
+    topology.rest.iter().zip(normals).map(point).collect()
 }
 
 /// The pins in `made` that [`Pins`] makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
@@ -201,6 +265,31 @@ impl Anchors {
     /// Sees where they are in this tick. One that is gone or nowhere leaves its pins where they are.
     pub fn aim(&mut self, placements: &Placements, tick: &ClothTick) {
         self.see(placements, |follow, target| follow.aim(target, tick));
+    }
+
+    /// The index of what follows `to`, which is added if there is none yet.
+    fn index(
+        &mut self,
+        to: PinTarget,
+        made: &mut SolverPins,
+        frame: &ClothFrame,
+        placements: &Placements,
+    ) -> Result<u32, ClothError> {
+        let mut anchor = Anchor::new(to, frame, placements)?;
+        if let Some(known) = self.all.iter().position(|known| *known == anchor) {
+            return Ok(known as u32);
+        }
+        made.frames.push(anchor.advance(frame));
+        self.all.push(anchor);
+        Ok(self.all.len() as u32 - 1)
+    }
+
+    /// What the joints of an armature take along, but for what `edits` hold elsewhere.
+    pub fn skin(&self, edits: Option<&ParticlePins>) -> Option<SolverSkin> {
+        let mut skin = self.skin.clone()?;
+        let held = edits.map_or(&[][..], |edits| &edits.held);
+        skin.pins.retain(|(particle, _)| held.iter().all(|pin| pin.particle != *particle));
+        Some(skin)
     }
 
     /// Whether any of it is another entity.

@@ -2,7 +2,7 @@
 
 use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
-use cloth_solver::constraint::Pin;
+use cloth_solver::constraint::{Pin, SkinPoint};
 use cloth_solver::{Motion, Pose};
 
 use super::spread::Share;
@@ -23,13 +23,16 @@ struct Shift {
 pub(crate) struct Carry {
     /// For each frame its shift, `None` for one that stands where it stood in both ticks.
     shifts: Vec<Option<Shift>>,
+    /// Where each frame is drawn, seen from the cloth's frame.
+    now: Vec<Pose>,
 }
 
 impl Carry {
     /// Finds them from the motion of the frames in the last tick and where they are `now`.
     pub fn find(&mut self, frames: &[Motion], now: impl Iterator<Item = Pose>) {
-        self.shifts.clear();
-        self.shifts.extend(frames.iter().zip(now).map(|(motion, now)| Shift::new(motion, now)));
+        (self.shifts.clear(), self.now.clear());
+        self.now.extend(now);
+        self.shifts.extend(frames.iter().zip(&self.now).map(|(motion, now)| Shift::new(motion, *now)));
     }
 
     /// Whether nothing moved.
@@ -52,6 +55,16 @@ impl Carry {
     pub fn pinned(&self, pin: &Pin) -> Option<Vec3> {
         let shift = self.shifts.get(pin.frame as usize)?.as_ref()?;
         Some(shift.now.point(pin.local))
+    }
+}
+
+impl Carry {
+    /// Where a particle on a skin is drawn, if any of its frames moved.
+    pub fn on_skin(&self, point: &SkinPoint) -> Option<Vec3> {
+        let frames = point.frames.iter().zip(point.weights).filter(|(_, weight)| *weight > 0.0);
+        let mut shifts = frames.map(|(frame, _)| self.shifts.get(*frame as usize));
+        let moved = shifts.any(|shift| shift.is_some_and(Option::is_some));
+        moved.then(|| point.point(|frame| self.now.get(frame as usize).copied().unwrap_or_default()))
     }
 }
 

@@ -7,15 +7,14 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
-use cloth_solver::constraint::Pin;
 use cloth_solver::topology::Change;
 use cloth_solver::{Particles, Pose, Topology};
 
 use self::carry::Carry;
-use self::spread::Spread;
+use self::spread::{Hung, Spread};
 use crate::clock::{self, ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
-use crate::prepare::{Anchors, Placements};
+use crate::prepare::{Anchors, Armature, Placements};
 use crate::schedule::ClothSystems;
 use crate::sleep::ClothAsleep;
 
@@ -46,7 +45,7 @@ pub struct ShownShape {
     slid: f32,
     /// How what moves it is spread over the cloth, and for what cloth that was found.
     spread: Spread,
-    pins: Vec<Pin>,
+    hung: Vec<Hung>,
     topology: Option<Arc<Topology>>,
     /// It was asleep when it was last drawn, and so is what is drawn.
     stands: bool,
@@ -78,26 +77,38 @@ impl ShownShape {
         self.spread.follow(change);
     }
 
-    /// Forgets how motion is spread if pins or topology are others than before; gives what was known of it.
-    fn look(&mut self, topology: &Arc<Topology>, pins: &[Pin]) -> Option<Spread> {
-        let same_pins = self.pins.len() == pins.len()
-            && self.pins.iter().zip(pins).all(|(a, b)| (a.particle, a.frame) == (b.particle, b.frame));
-        if same_pins && self.topology.as_ref().is_some_and(|known| Arc::ptr_eq(known, topology)) {
+    /// Forgets how motion is spread if what it hangs on or topology are others than before; gives what was known of it.
+    fn look(&mut self, topology: &Arc<Topology>, constraints: &Constraints) -> Option<Spread> {
+        // What is held within limits is taken along as what is pinned.
+        let limits = constraints.skin().map_or(&[][..], |skin| &skin.limits).iter();
+        let limited =
+            limits.filter(|limit| limit.distance.is_finite()).map(|limit| (limit.particle, limit.point.frames[0]));
+        let hung = constraints.pins().pins.iter().map(|pin| (pin.particle, pin.frame)).chain(limited);
+        if hung.clone().eq(self.hung.iter().copied())
+            && self.topology.as_ref().is_some_and(|known| Arc::ptr_eq(known, topology))
+        {
             return None;
         }
-        self.pins = pins.to_vec();
+        self.hung = hung.collect();
         self.topology = Some(topology.clone());
         Some(std::mem::take(&mut self.spread)).filter(|old| *old != Spread::Unknown)
     }
 
     /// Takes over the shape between the last two ticks; whether it is another one than before.
-    fn update(&mut self, topology: &Topology, ticks: &Ticks, carry: &Carry, old: Option<Spread>, seconds: f32) -> bool {
+    fn update(
+        &mut self,
+        (topology, armature): (&Topology, Option<&Armature>),
+        ticks: &Ticks,
+        carry: &Carry,
+        old: Option<Spread>,
+        seconds: f32,
+    ) -> bool {
         let (slots, turn) = (topology.slots(), ticks.pose.rotation);
         let first = self.position.len() != slots;
         self.position.resize(slots, Vec3::ZERO);
         let before = std::mem::take(&mut self.ahead);
         if self.spread == Spread::Unknown && !(carry.is_still() && old.is_none()) {
-            self.spread = Spread::find(topology, &self.pins);
+            self.spread = Spread::find(topology, &self.hung, armature);
         }
         if !carry.is_still() {
             self.ahead.resize(slots, Vec3::ZERO);
@@ -134,8 +145,12 @@ impl ShownShape {
             moved |= self.position[slot] != now;
             self.position[slot] = now;
         }
-        for pin in &self.pins {
-            if let (Some(at), Some(shown)) = (carry.pinned(pin), self.position.get_mut(pin.particle as usize)) {
+        let pinned = ticks.constraints.pins().pins.iter().map(|pin| (pin.particle, carry.pinned(pin)));
+        let skin = ticks.constraints.skin().map_or(&[][..], |skin| &skin.pins).iter();
+        let on_skin = skin.filter(|(particle, _)| ticks.particles.inverse_mass[*particle as usize] <= 0.0);
+        let on_skin = on_skin.map(|(particle, point)| (*particle, carry.on_skin(point)));
+        for (particle, at) in pinned.chain(on_skin) {
+            if let (Some(at), Some(shown)) = (at, self.position.get_mut(particle as usize)) {
                 moved |= *shown != at;
                 *shown = at;
             }
@@ -159,6 +174,7 @@ struct Ticks<'a> {
     pose: Pose,
     history: &'a ClothHistory,
     particles: &'a Particles,
+    constraints: &'a Constraints,
     /// How far from the one to the other, 0..=1.
     between: f32,
 }
@@ -175,7 +191,7 @@ pub(crate) fn show(
     mut cloths: Query<(
         Entity,
         (&ClothTopology, &ClothFrame, &ClothHistory),
-        (Ref<Particles>, &Constraints, &Anchors),
+        (Ref<Particles>, &Constraints, &Anchors, Option<&Armature>),
         Has<ClothAsleep>,
         &mut ShownShape,
     )>,
@@ -185,18 +201,19 @@ pub(crate) fn show(
     mut carry: Local<Carry>,
 ) {
     let seconds = time.map_or(0.0, |time| time.delta_secs());
-    for (entity, (topology, frame, history), (particles, constraints, anchors), asleep, mut shape) in &mut cloths {
+    for (entity, (topology, frame, history), (particles, constraints, anchors, armature), asleep, mut shape) in
+        &mut cloths
+    {
         let shown = shape.bypass_change_detection();
-        let pins = constraints.pins();
-        carry.find(&pins.frames, anchors.now(entity, frame, &placements));
-        let old = shown.look(&topology.0, &pins.pins);
+        carry.find(&constraints.pins().frames, anchors.now(entity, frame, &placements));
+        let old = shown.look(&topology.0, constraints);
         // Between two equal positions rounding depends on the place: what sleeps is drawn once more, where it is.
         let stands = asleep && carry.is_still() && shown.slide.is_empty();
         let stood = std::mem::replace(&mut shown.stands, stands) && stands && !particles.is_changed();
         let between = if asleep { 1.0 } else { clock.interpolation() };
         shown.pose = frame.pose;
-        let ticks = Ticks { pose: frame.pose, history, particles: &particles, between };
-        if !stood && shown.update(&topology.0, &ticks, &carry, old, seconds) {
+        let ticks = Ticks { pose: frame.pose, history, particles: &particles, constraints, between };
+        if !stood && shown.update((&topology.0, armature), &ticks, &carry, old, seconds) {
             shape.set_changed();
         }
     }

@@ -4,8 +4,13 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use cloth_solver::Topology;
-use cloth_solver::constraint::Pin;
+use cloth_solver::constraint::SkinPoint;
 use cloth_solver::topology::Change;
+
+use crate::prepare::Armature;
+
+/// A particle that hangs on a frame of pins: particle and frame.
+pub(crate) type Hung = (u32, u32);
 
 /// Of how many frames of pins a particle takes a share at most.
 const MOST: usize = 4;
@@ -71,10 +76,18 @@ pub(crate) enum Spread {
 }
 
 impl Spread {
-    /// By the ways along the edges of the cloth, at rest, from the particles that are pinned to each frame.
-    pub fn find(topology: &Topology, pins: &[Pin]) -> Self {
-        let ways = nearest(topology, pins);
-        let first = pins.first().map_or(0, |pin| pin.frame);
+    /// By the ways along the edges of the cloth, at rest, from the particles that hang on each frame. What an armature takes along,
+    /// by the weights of its joints.
+    pub fn find(topology: &Topology, hung: &[Hung], armature: Option<&Armature>) -> Self {
+        let ways = nearest(topology, hung);
+        if let Some(armature) = armature {
+            let share = |(ways, point): (&Vec<_>, &SkinPoint)| match ways.is_empty() {
+                true => Share::default(),
+                false => Share { frames: point.frames, weights: point.weights },
+            };
+            return Self::Each(ways.iter().zip(&armature.points).map(share).collect());
+        }
+        let first = hung.first().map_or(0, |(_, frame)| *frame);
         let is_whole = |slot: u32| matches!(ways[slot as usize][..], [(_, frame)] if frame == first);
         if topology.particles().all(is_whole) {
             return Self::All(first);
@@ -102,7 +115,7 @@ impl Spread {
 }
 
 /// For each slot the nearest frames in ascending order of the way along the edges, m, one more than it takes shares of.
-fn nearest(topology: &Topology, pins: &[Pin]) -> Vec<Vec<(f32, u32)>> {
+fn nearest(topology: &Topology, hung: &[Hung]) -> Vec<Vec<(f32, u32)>> {
     let mut neighbours: Vec<Vec<(u32, f32)>> = vec![Vec::new(); topology.slots()];
     for &[a, b] in &topology.edges {
         let length = topology.rest[a as usize].distance(topology.rest[b as usize]);
@@ -112,8 +125,8 @@ fn nearest(topology: &Topology, pins: &[Pin]) -> Vec<Vec<(f32, u32)>> {
     // Dijkstra from all pins at once, each particle reached once from each of the nearest frames. Non-negative floats order like
     // their bits. A particle pinned twice follows the last pin.
     let mut found: Vec<Vec<(f32, u32)>> = vec![Vec::new(); topology.slots()];
-    let mut queue: BinaryHeap<_> = (pins.iter().rev().enumerate())
-        .map(|(order, pin)| Reverse((0_u32, order as u32, pin.particle, pin.frame)))
+    let mut queue: BinaryHeap<_> = (hung.iter().rev().enumerate())
+        .map(|(order, (particle, frame))| Reverse((0_u32, order as u32, *particle, *frame)))
         .collect();
     while let Some(Reverse((bits, order, at, frame))) = queue.pop() {
         let ways = &mut found[at as usize];
@@ -132,14 +145,10 @@ fn nearest(topology: &Topology, pins: &[Pin]) -> Vec<Vec<(f32, u32)>> {
 
 #[cfg(test)]
 mod tests {
-    use bevy::math::{UVec2, Vec2, Vec3};
+    use bevy::math::{UVec2, Vec2};
     use cloth_solver::topology::Resolution;
 
     use super::*;
-
-    fn pin(particle: u32, frame: u32) -> Pin {
-        Pin { particle, frame, local: Vec3::ZERO }
-    }
 
     fn strip(cells: u32) -> Topology {
         let resolution = Resolution::Cells(UVec2::new(cells, 1));
@@ -148,21 +157,21 @@ mod tests {
 
     #[test]
     fn a_cloth_on_one_frame_takes_all_of_its_motion() {
-        let pins = [pin(0, 3), pin(5, 3)];
-        assert_eq!(Spread::find(&strip(10), &pins), Spread::All(3));
+        let pins = [(0, 3), (5, 3)];
+        assert_eq!(Spread::find(&strip(10), &pins, None), Spread::All(3));
     }
 
     #[test]
     fn shares_are_whole_at_the_pins_sum_to_one_and_change_evenly_between_them() {
         for hooks in [2, 3, 9] {
             let (cells, topology) = (72, strip(72));
-            let pins: Vec<Pin> = (0..hooks).map(|hook| pin(hook * cells / (hooks - 1), hook)).collect();
-            let spread = Spread::find(&topology, &pins);
+            let pins: Vec<Hung> = (0..hooks).map(|hook| (hook * cells / (hooks - 1), hook)).collect();
+            let spread = Spread::find(&topology, &pins, None);
             let share_of = |slot: u32, frame: u32| -> f32 {
                 spread.of(slot as usize).iter().filter(|(of, _)| *of == frame).map(|(_, weight)| weight).sum()
             };
             for pin in &pins {
-                assert_eq!(share_of(pin.particle, pin.frame), 1.0);
+                assert_eq!(share_of(pin.0, pin.1), 1.0);
             }
             let step = 3.0 * (hooks - 1) as f32 / cells as f32;
             for slot in 0..=cells {

@@ -1,21 +1,21 @@
 //! What pins hang on, and how it moves from tick to tick.
 
-use bevy::prelude::*;
-use cloth_solver::constraint::{Pin, Pins as SolverPins, Skin as SolverSkin, SkinLimit, SkinPoint};
-use cloth_solver::{ClothError, Motion, Pose, Soa3, Topology};
+mod make;
 
-use super::armature::{Armature, normals};
+use bevy::prelude::*;
+use cloth_solver::constraint::{Pin, Pins as SolverPins, Skin as SolverSkin};
+use cloth_solver::{ClothError, Motion, Pose, Topology};
+
 use super::follow::is_near;
 use super::placement::Placements;
-use super::select::{freedom, select};
-use super::source::Skin;
 use super::{Follow, placed, relative};
 use crate::cloth::ClothFrame;
-use crate::freedom::Freedom;
 use crate::particle_pins::{ParticlePin, ParticlePins};
-use crate::pins::{PinTarget, Pins};
+use crate::pins::PinTarget;
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
+
+pub(crate) use make::{Worn, make};
 
 /// The field named when a pin's entity has no place in the world (yet): the one fault that can mend without a change
 /// of the pins.
@@ -45,20 +45,12 @@ enum Anchor {
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Anchors {
     all: Vec<Anchor>,
-    /// How many of them are those of [`Pins`]; the others are those of [`ParticlePins`].
+    /// How many of them are those of [`Pins`](crate::Pins); the others are those of [`ParticlePins`].
     authored: usize,
-    /// The pins of [`Pins`] and [`Freedom`], also those that [`ParticlePins`] releases.
+    /// The pins of [`Pins`](crate::Pins) and [`Freedom`](crate::Freedom), also those that [`ParticlePins`] releases.
     pins: Vec<Pin>,
     /// What the joints of an armature take along, and how far what is free may get from there.
     skin: Option<SolverSkin>,
-}
-
-/// What holds a cloth beside its pins.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Worn<'a> {
-    pub pins: Option<&'a Pins>,
-    pub freedom: Option<&'a Freedom>,
-    pub armature: Option<&'a Armature>,
 }
 
 /// Whether `error` says that a pin's entity is not there (yet).
@@ -66,94 +58,7 @@ pub(crate) fn waits_for_entity(error: &ClothError) -> bool {
     matches!(error, ClothError::OutOfRange { field: TARGET_ENTITY, .. })
 }
 
-/// The solver's pins for what is `worn`, made at the present `position` of the particles, and what they hang on.
-pub(crate) fn make(
-    worn: Worn,
-    topology: &Topology,
-    skin: &Skin,
-    position: &Soa3,
-    frame: &ClothFrame,
-    placements: &Placements,
-) -> Result<(SolverPins, Anchors), ClothError> {
-    let mut made = SolverPins::default();
-    let mut anchors = Anchors::default();
-    let mut held = SolverSkin::default();
-    let mut taken = vec![false; topology.slots()];
-    for joint in worn.armature.iter().flat_map(|armature| &armature.joints) {
-        let mut anchor = Anchor::new(PinTarget::Entity(*joint), frame, placements)?;
-        made.frames.push(anchor.advance(frame));
-        anchors.all.push(anchor);
-    }
-    let mut hold = |slots: &[u32], to: PinTarget, made: &mut SolverPins, anchors: &mut Anchors| {
-        let joints = worn.armature.filter(|_| to == PinTarget::Cloth);
-        let index = match joints {
-            Some(_) => 0,
-            None => anchors.index(to, made, frame, placements)?,
-        };
-        for slot in slots.iter().copied() {
-            if std::mem::replace(&mut taken[slot as usize], true) {
-                continue;
-            }
-            let pin = match (joints, to) {
-                (Some(armature), _) => {
-                    let point = armature.points[slot as usize];
-                    held.pins.push((slot, point));
-                    Pin { particle: slot, frame: point.frames[0], local: point.locals[0] }
-                }
-                (None, PinTarget::Cloth) => Pin { particle: slot, frame: index, local: topology.rest[slot as usize] },
-                (None, _) => {
-                    let local = made.frames[index as usize].to.inverse_point(position.get(slot as usize));
-                    Pin { particle: slot, frame: index, local }
-                }
-            };
-            made.pins.push(pin);
-        }
-        Ok::<(), ClothError>(())
-    };
-    for group in worn.pins.iter().flat_map(|pins| &pins.0) {
-        hold(&select(&group.select, topology, skin)?, group.to, &mut made, &mut anchors)?;
-    }
-    if let Some(limits) = worn.freedom {
-        limits.validate()?;
-        let free = freedom(topology, skin)?;
-        let pinned: Vec<u32> = topology.particles().filter(|slot| free[*slot as usize] == 0.0).collect();
-        hold(&pinned, PinTarget::Cloth, &mut made, &mut anchors)?;
-        if limits.limits() {
-            let points = match worn.armature {
-                Some(armature) => armature.points.clone(),
-                None => {
-                    let index = anchors.index(PinTarget::Cloth, &mut made, frame, placements)?;
-                    fixed_points(topology, index)
-                }
-            };
-            let free = topology.particles().filter(|slot| !taken[*slot as usize]).map(|particle| SkinLimit {
-                particle,
-                point: points[particle as usize],
-                distance: limits.distance * free[particle as usize],
-                backstop: limits.backstop,
-            });
-            held.limits.extend(free);
-        }
-    }
-    anchors.authored = anchors.all.len();
-    anchors.pins.clone_from(&made.pins);
-    anchors.skin = (held != SolverSkin::default()).then_some(held);
-    Ok((made, anchors))
-}
-
-/// For each slot its rest position in one frame.
-fn fixed_points(topology: &Topology, frame: u32) -> Vec<SkinPoint> {
-    let normals = normals(topology);
-    let point = |(rest, normal): (&Vec3, Vec3)| SkinPoint {
-        frames: [frame; 4],
-        weights: [1.0, 0.0, 0.0, 0.0],
-        locals: [*rest; 4],
-        normals: [normal; 4],
-    };
-    topology.rest.iter().zip(normals).map(point).collect()
-}
-
-/// The pins in `made` that [`Pins`] makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
+/// The pins in `made` that [`Pins`](crate::Pins) makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
 /// earlier edits.
 pub(crate) fn edit(
     made: &SolverPins,
@@ -379,12 +284,12 @@ impl Anchors {
         })
     }
 
-    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    /// The pins of [`Pins`](crate::Pins), also those that [`ParticlePins`] releases.
     pub fn authored(&self) -> &[Pin] {
         &self.pins
     }
 
-    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where the pins of [`Pins`] on other things
+    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where the pins of [`Pins`](crate::Pins) on other things
     /// hold it.
     pub fn home(&self, frame: &ClothFrame) -> Pose {
         if self.holding(&self.pins).any(|(anchor, _)| *anchor == Anchor::Cloth) {

@@ -30,7 +30,8 @@ pub(crate) struct Carry {
 impl Carry {
     /// Finds them from the motion of the frames in the last tick and where they are `now`.
     pub fn find(&mut self, frames: &[Motion], now: impl Iterator<Item = Pose>) {
-        (self.shifts.clear(), self.now.clear());
+        self.shifts.clear();
+        self.now.clear();
         self.now.extend(now);
         self.shifts.extend(frames.iter().zip(&self.now).map(|(motion, now)| Shift::new(motion, *now)));
     }

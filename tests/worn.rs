@@ -242,3 +242,33 @@ fn a_pointer_meets_the_cloth_where_it_is_drawn() {
         assert!(off < 0.002, "{off} m from where it is drawn");
     }
 }
+
+#[test]
+fn a_blink_at_any_frame_rate_is_seen_by_nobody_who_blinks_along() {
+    for worn in [Worn::AsChild, Worn::ByEntity] {
+        for hertz in [24.0, 30.0, 60.0, 75.0, 144.0] {
+            let mover = Mover { velocity: Vec3::X * 1.5, turn: Vec3::Y, from: 0.1, to: 99.0 };
+            let fabric = Fabric { damping: 5.0, ..Fabric::default() };
+            let mut scene = scene(worn, Moved::InUpdate, mover, (fabric, ClothStats::default()));
+            let mut movers = scene.app.world_mut().query_filtered::<Entity, (With<Mover>, Without<ChildOf>)>();
+            let wearer = movers.single(scene.app.world()).expect("one wearer");
+            let mut before = vec![];
+            for frame in 0..(3.0 * hertz) as u32 {
+                if frame as f32 > hertz && frame % 11 == 0 {
+                    let mut place = scene.app.world_mut().get_mut::<Transform>(wearer).unwrap();
+                    place.translation += Vec3::new(0.0, 2.5, 0.4 * (frame % 7) as f32);
+                }
+                scene.frame(1.0 / hertz);
+                let (strain, now) =
+                    (get::<ClothStats>(&scene.app, scene.cape).largest_strain, scene.drawn_from_wearer());
+                let what = format!("{worn:?}, {hertz} Hz, frame {frame}");
+                if frame as f32 > hertz {
+                    assert!(strain < 0.03, "{what}: strain {strain}");
+                    let step = largest_move(&before, &now);
+                    assert!(step < 0.03, "{what}: it moved {step} m");
+                }
+                before = now;
+            }
+        }
+    }
+}

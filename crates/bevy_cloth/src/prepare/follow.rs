@@ -50,7 +50,7 @@ impl Follow {
     /// The last frame was as long as so many `ticks`.
     pub fn look(&mut self, target: Pose, ticks: f32) {
         if target != self.target {
-            (self.target, self.spread) = (target, f32::INFINITY);
+            (self.target, self.left, self.spread) = (target, f32::INFINITY, f32::INFINITY);
             self.ticks += ticks;
         }
     }
@@ -71,7 +71,7 @@ impl Follow {
             self.left = self.ticks;
             self.spread = f32::INFINITY;
         } else {
-            self.left = tick.left.max(1) as f32 + tick.over;
+            self.left = self.left.min(tick.left.max(1) as f32 + tick.over);
         }
         self.spread = self.spread.min(self.left.floor()).max(1.0);
     }
@@ -199,7 +199,8 @@ mod tests {
     fn played(frame: f32, tick_length: f32, ticks: usize) -> Vec<f32> {
         let (mut follow, mut moves, mut time, mut shown) = (Follow::new(at(0.0)), vec![], 0.0, 0.0);
         while moves.len() < ticks {
-            follow.look(at(shown), frame / tick_length);
+            let seen = shown;
+            follow.look(at(seen), frame / tick_length);
             shown += frame;
             time += frame;
             let due = (time / tick_length).floor();
@@ -207,7 +208,7 @@ mod tests {
             for left in (1..=due as u32).rev() {
                 let before = follow.pose.position.x;
                 let tick = ClothTick { over: time / tick_length, ..tick(left) };
-                moves.push(step(&mut follow, shown - frame, &tick) - before);
+                moves.push(step(&mut follow, seen, &tick) - before);
             }
         }
         moves

@@ -264,9 +264,9 @@ fn a_blink_at_any_frame_rate_is_seen_by_nobody_who_blinks_along() {
                 let what = format!("{worn:?}, {hertz} Hz, frame {frame}");
                 if frame as f32 > hertz {
                     assert!(strain < 0.03, "{what}: strain {strain}");
-                    // The rest of the frame it stands still, as its wearer does then.
+                    // Its wearer, at 1.5 m/s, stands for the rest of that frame, and catches up in the next.
                     let step = largest_move(&before, &now);
-                    assert!(step < 0.03 + 1.5 / hertz, "{what}: it moved {step} m");
+                    assert!(step < 0.03 + 2.0 * 1.5 / hertz, "{what}: it moved {step} m");
                 }
                 before = now;
             }

@@ -39,15 +39,14 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
             [(Vec3::new(0.1, 0.9, 0.0), 0.08, 0.7, 0.5), (Vec3::new(0.24, 1.4, 0.0), 0.05, 0.5, -0.4)]
         {
             let joint = Transform::from_translation(hang * Vec3::new(side, 1.0, 1.0));
-            let limb = (Limb(swing * side), joint, Visibility::default(), ChildOf(walker));
-            let limb = commands.spawn(limb).id();
+            let limb = commands.spawn((Limb(swing * side), joint, Visibility::default(), ChildOf(walker))).id();
             commands.spawn((part(radius, length, Vec3::NEG_Y * length / 2.0), ChildOf(limb)));
         }
     }
     // Its top edge lies on the shoulders, behind the neck; its entity is a child of the figure.
     commands.spawn((
         Cloth::rectangle(0.5, 1.1),
-        Fabric::SILK_CHARMEUSE,
+        Fabric::VELVET_CURTAIN,
         (Pins::top(), Air::default()),
         MeshMaterial3d(materials.add(Color::srgb(0.6, 0.05, 0.1))),
         Transform::from_xyz(0.0, 0.95, 0.19).with_rotation(Quat::from_rotation_x(-0.1)),

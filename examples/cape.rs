@@ -54,7 +54,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     ));
     let lawn = MeshMaterial3d(materials.add(Color::srgb(0.3, 0.45, 0.25)));
     commands.spawn((ClothCollider::Ground, Mesh3d(meshes.add(Plane3d::default().mesh().size(20.0, 20.0))), lawn));
-    commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 2.5, 5.5).looking_at(Vec3::Y * 0.8, Vec3::Y)));
+    commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 2.2, 6.0).looking_at(Vec3::Y * 0.8, Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(3.0, 5.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
@@ -66,7 +66,7 @@ fn walk(
     mut limbs: Query<(&Limb, &mut Transform), Without<Walker>>,
     time: Res<Time>,
 ) {
-    let (speed, radius) = (2.0, 2.0);
+    let (speed, radius) = (2.0, 1.5);
     let angle = time.elapsed_secs() * speed / radius;
     for mut place in &mut walkers {
         place.translation =

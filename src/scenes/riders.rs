@@ -1,7 +1,8 @@
 //! Things that stand on a cloth and weigh it down: they are seen where their weight hangs.
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
-use bevy_cloth::{ClothFrame, ClothSystems, ClothTopology, Particles};
+use bevy_cloth::{ClothFrame, ClothSystems, ClothTopology, Particles, ShownShape};
 
 /// Stands on a cloth.
 #[derive(Component, Clone, Copy, Debug)]
@@ -19,20 +20,21 @@ pub struct RidersPlugin;
 
 impl Plugin for RidersPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, ride.before(TransformSystems::Propagate).before(ClothSystems::Draw));
+        app.add_systems(PostUpdate, ride.after(ClothSystems::Draw).before(VisibilitySystems::CheckVisibility));
     }
 }
 
 fn ride(
-    mut riders: Query<(Entity, &Rider, &mut Transform)>,
-    cloths: Query<(&ClothTopology, &Particles, &ClothFrame)>,
+    mut riders: Query<(Entity, &Rider, &mut Transform, &mut GlobalTransform)>,
+    cloths: Query<(&ClothTopology, &Particles, &ClothFrame, &ShownShape)>,
     mut commands: Commands,
 ) {
-    for (entity, rider, mut place) in &mut riders {
-        let Ok((topology, particles, frame)) = cloths.get(rider.cloth) else { continue };
+    for (entity, rider, mut place, mut global) in &mut riders {
+        let Ok((topology, particles, frame, shown)) = cloths.get(rider.cloth) else { continue };
         let Some(slot) = topology.vertex_particle.get(rider.vertex as usize).copied() else { continue };
         let around = topology.triangles.iter().filter(|triangle| triangle.contains(&slot));
-        let at = |slot: u32| frame.to_world(particles.position.get(slot as usize));
+        let simulated = |slot: u32| frame.to_world(particles.position.get(slot as usize));
+        let at = |slot: u32| shown.in_world(slot).unwrap_or_else(|| simulated(slot));
         let normal = around.map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a))).sum::<Vec3>();
         let Some(normal) = normal.try_normalize() else {
             // The cloth under it is gone.
@@ -43,7 +45,8 @@ fn ride(
         let wanted =
             Transform::from_translation(at(slot) + up * rider.half).with_rotation(Quat::from_rotation_arc(Vec3::Y, up));
         if *place != wanted {
-            *place = wanted;
+            // After transforms are propagated, since only then the cloth is where it is drawn. It is nobody's child.
+            (*place, *global) = (wanted, wanted.into());
         }
     }
 }

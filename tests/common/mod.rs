@@ -1,7 +1,9 @@
 //! What several tests need: an app without renderer, time by hand, and a look at the bits.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+pub mod figure;
 pub mod sleep;
+pub mod wearer;
 
 use std::time::Duration;
 

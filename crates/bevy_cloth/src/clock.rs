@@ -64,6 +64,11 @@ impl ClothClock {
         (0..steps.min(MOST_TICKS)).map(|_| clock.take(timestep, timestep)).sum()
     }
 
+    /// What was taken in and makes no whole tick yet.
+    pub(crate) fn accumulated(&self) -> Duration {
+        self.accumulated
+    }
+
     /// Whether the clock stands until someone does something.
     pub(crate) fn stands(&self) -> bool {
         self.paused || self.relative_speed == 0.0

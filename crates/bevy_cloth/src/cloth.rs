@@ -46,6 +46,10 @@ pub enum ClothSource {
     /// solved as a rectangle is. Any other mesh is solved along strips of its triangles: two to four times the time of a rectangle of
     /// as many particles; hung by two corners it stretches by some per cent, where a rectangle does by one.
     ///
+    /// A mesh with joints on an entity with a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) starts in the pose of its joints. What
+    /// they do to its size counts as the transform's scale, whose own counts no more. A joint that is sheared, or scaled after the
+    /// cloth is built, takes it along without that.
+    ///
     /// Needs the resource [`Assets<Mesh>`](bevy::asset::Assets) and a mesh kept in the main world.
     Mesh,
 }

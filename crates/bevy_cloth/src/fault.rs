@@ -53,6 +53,9 @@ pub(crate) fn recover(
     if let Err(error) = fresh.constraints.set_pins(&mut fresh.particles, pins) {
         error!("the pins of a recovered cloth were lost: {error}");
     }
+    if let Err(error) = fresh.constraints.set_skin(&fresh.particles, constraints.skin().cloned()) {
+        error!("the skin of a recovered cloth was lost: {error}");
+    }
     (*particles, *constraints) = (fresh.particles, fresh.constraints);
 }
 
@@ -90,6 +93,7 @@ pub(crate) fn mend(
         if tick.still {
             particles.velocity.fill(Vec3::ZERO);
             history.position.copy_from(&particles.position);
+            constraints.pin_frames_mut().iter_mut().for_each(|motion| motion.from = motion.to);
         }
         clear_forces(&mut particles);
     }

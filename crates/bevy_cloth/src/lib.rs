@@ -3,6 +3,7 @@
 //! # Contents
 //! - [Example](#example)
 //! - [What a cloth is made of](#what-a-cloth-is-made-of): [`Cloth`], [`Fabric`], [`Pins`], [`Weights`], [`ClothCollider`]
+//! - [Skinned meshes](#skinned-meshes): [`Freedom`], [`BoneColliders`]
 //! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`ClothSleep`], [`Shared`]
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
@@ -39,6 +40,13 @@
 //! [`Fabric`] what it is made of, [`Pins`] what holds it, [`ParticlePins`] what is pinned by hand while it runs ([`PinParticle`],
 //! [`UnpinParticle`]), [`Weights`] what hangs on it. Solids are entities with a
 //! [`ClothCollider`].
+//!
+//! # Skinned meshes
+//! [`Cloth::mesh`] on an entity with a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) starts in the pose of its joints, and what is
+//! pinned to the cloth follows them. Paint how free each vertex is ([`ATTRIBUTE_FREEDOM`] or the red of the vertex colours: 0 pinned, 1
+//! free) and insert [`Freedom`], which says how far the free ones may get from where the joints take them. While it is a cloth the plugin
+//! takes `SkinnedMesh` off the entity, and gives it back with the mesh. [`BoneColliders`] on the root of an armature keeps cloth out of
+//! the body, by a capsule along each bone.
 //!
 //! # Settings
 //! [`Gravity`], [`Substeps`], [`Method`], [`Teleport`] and [`ClothSleep`] apply to every cloth as resources, [`Shared<Gravity>`](Shared) and so on; as
@@ -100,7 +108,8 @@
 //! # Drawing
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
-//! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//! follow the cloth, interpolated between the last two ticks, and placed where what it hangs on is drawn: a cape does not lag behind
+//! its wearer. [`ShownShape`] tells where each particle is drawn. Without a material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
 //! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
@@ -116,6 +125,7 @@
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
 
 pub mod air;
+pub mod bones;
 pub mod clock;
 pub mod cloth;
 pub mod collider;
@@ -124,6 +134,7 @@ pub mod contact_view;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
+pub mod freedom;
 pub mod particle_pins;
 #[cfg(feature = "picking")]
 pub mod picking;
@@ -143,9 +154,11 @@ mod groups;
 mod prepare;
 mod report;
 mod self_contact;
+mod shown;
 mod step;
 
 pub use air::Wind;
+pub use bones::BoneColliders;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
 pub use cloth_solver::contact::{ContactPoint, SelfContact};
@@ -165,6 +178,7 @@ pub use events::{
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
     ContactEnded, DebrisGone, PiecesSeparated, ResetCloth, WakeCloth, WindRejected,
 };
+pub use freedom::{ATTRIBUTE_FREEDOM, Freedom};
 pub use particle_pins::{ParticlePin, ParticlePins, PinParticle, UnpinParticle};
 #[cfg(feature = "picking")]
 pub use picking::{ClothHit, ClothPicking, ClothTool};
@@ -173,6 +187,7 @@ pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
+pub use shown::ShownShape;
 pub use sleep::{ClothAsleep, ClothSleep, WakeCause};
 pub use snapshot::ClothSnapshot;
 pub use stats::ClothStats;

@@ -73,7 +73,8 @@ impl Default for PinSelect {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum PinTarget {
-    /// The cloth's own [`Transform`]: each particle is held at its rest position in the cloth's frame.
+    /// The cloth's own [`Transform`]: each particle is held at its rest position in the cloth's frame. On a skinned mesh: the joints,
+    /// each particle is held where they take it.
     #[default]
     Cloth,
     /// The world: each particle is held where it was when the pin was made, however the cloth's transform moves.

@@ -5,12 +5,14 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedEx
 use bevy::prelude::*;
 
 use crate::air::Wind;
+use crate::bones::BoneColliders;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
 use crate::events::{
     ClothRecovered, ClothRejected, ClothReset, ClothTangled, ClothUntangled, ColliderRejected, WindRejected,
 };
+use crate::freedom::Freedom;
 use crate::particle_pins::{self, ParticlePins};
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
@@ -20,7 +22,7 @@ use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
     Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, contact_view, damage, fault,
-    groups, prepare, self_contact, sleep, stats, step,
+    groups, prepare, self_contact, shown, sleep, stats, step,
 };
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
@@ -133,6 +135,7 @@ impl Plugin for ClothPlugin {
         sleep::plugin(app);
         contact::plugin(app);
         contact_view::plugin(app);
+        shown::plugin(app);
         app.add_observer(particle_pins::on_pin).add_observer(particle_pins::on_unpin);
         #[cfg(feature = "render")]
         crate::render::plugin(app);
@@ -182,6 +185,8 @@ fn register_types(app: &mut App) {
         .register_type_data::<Fabric, ReflectDefault>()
         .register_type::<Pins>()
         .register_type::<ParticlePins>()
+        .register_type::<Freedom>()
+        .register_type::<BoneColliders>()
         .register_type::<Weights>()
         .register_type::<Air>()
         .register_type_data::<Air, ReflectComponent>()

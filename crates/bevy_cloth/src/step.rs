@@ -9,7 +9,7 @@ use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::{self, Contacts};
 use cloth_solver::method;
 
-use crate::clock::{ClothClock, RunsInFixedLoop};
+use crate::clock::{ClothClock, ClothTime, RunsInFixedLoop};
 use crate::cloth::ClothTopology;
 use crate::prepare::{MovedInPause, StepPlan};
 use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
@@ -30,6 +30,10 @@ pub(crate) struct ClothTick {
     pub left_in_run: u32,
     /// It is the first of its run.
     pub first: bool,
+    /// What is left of the frame after its last tick, in ticks, 0..1.
+    pub over: f32,
+    /// What moves was looked at before the first of them: the plugin runs in the fixed loop.
+    pub looked: bool,
 }
 
 /// Advances the clock and runs [`ClothSchedule`] once for each tick that is due.
@@ -45,7 +49,8 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
     if due == 0 && !still {
         return;
     }
-    let ahead = ticks_ahead(world, timestep, still);
+    let looked = world.get_resource::<RunsInFixedLoop>().is_some_and(|runs| runs.0);
+    let (ahead, over) = ticks_ahead(world, timestep, still);
     let due = due.max(1);
     let outside = world.get_resource::<Time>().copied();
     let _ = world.try_schedule_scope(ClothSchedule, |world, schedule| {
@@ -64,6 +69,8 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
                 left: left_in_run + ahead,
                 left_in_run,
                 first: done == 0,
+                over,
+                looked,
             };
             schedule.run(world);
         }
@@ -71,17 +78,20 @@ pub(crate) fn advance(world: &mut World, grabs: &mut QueryState<&Grabs>) {
     set_time(world, outside);
 }
 
-/// How many ticks follow in this frame after this run of the plugin's schedule.
-fn ticks_ahead(world: &World, timestep: Duration, still: bool) -> u32 {
+/// How many ticks follow in this frame after this run of the plugin's schedule, and what part of a tick is left after them.
+fn ticks_ahead(world: &World, timestep: Duration, still: bool) -> (u32, f32) {
     let in_fixed_loop = world.get_resource::<RunsInFixedLoop>().is_some_and(|runs| runs.0);
-    let (Some(fixed), true) = (world.get_resource::<Time<Fixed>>(), in_fixed_loop) else { return 0 };
+    let fixed = world.get_resource::<Time<Fixed>>().filter(|_| in_fixed_loop);
     // The fixed loop has taken the step at hand off the overstep, and goes on while a whole one is left.
-    let steps = fixed.overstep().as_nanos() / timestep.as_nanos().max(1);
+    let overstep = fixed.map_or(Duration::ZERO, Time::<Fixed>::overstep);
+    let steps = overstep.as_nanos() / timestep.as_nanos().max(1);
     let steps = u32::try_from(steps).unwrap_or(u32::MAX);
-    match world.get_resource::<Time<ClothClock>>() {
-        Some(clock) if !still => clock.context().ahead(steps, timestep),
-        _ => steps,
-    }
+    let clock = world.get_resource::<Time<ClothClock>>().filter(|_| !still);
+    let ahead = clock.map_or(steps, |clock| clock.context().ahead(steps, timestep));
+    let of_clock = clock.map_or(Duration::ZERO, |clock| clock.context().accumulated());
+    let speed = clock.map_or(1.0, |clock| clock.relative_speed());
+    let parts = of_clock.as_secs_f32() + overstep.as_secs_f32() * speed;
+    (ahead, (parts / timestep.as_secs_f32().max(f32::MIN_POSITIVE) - ahead as f32).clamp(0.0, 1.0))
 }
 
 fn set_time(world: &mut World, to: Option<Time>) {

@@ -14,9 +14,10 @@ use super::pieces::ClothPieces;
 use super::tear::TearState;
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
 use crate::events::PiecesSeparated;
-use crate::prepare::ClothSkin;
+use crate::prepare::{Armature, ClothSkin};
 use crate::report::report;
 use crate::settings::Grabs;
+use crate::shown::ShownShape;
 
 /// What of a cloth has to follow when it is taken apart.
 #[derive(QueryData)]
@@ -29,6 +30,8 @@ pub(crate) struct Whole {
     pub particles: &'static mut Particles,
     pub constraints: &'static mut Constraints,
     pub history: &'static mut ClothHistory,
+    pub shown: &'static mut ShownShape,
+    pub armature: Option<&'static mut Armature>,
     pub own: Option<&'static mut SelfContacts>,
     pub tear: Option<&'static mut TearState>,
     pub fire: Option<&'static mut ClothFire>,
@@ -51,6 +54,10 @@ impl WholeItem<'_, '_> {
         }
         self.history.position.follow(change);
         self.history.strokes.follow(change);
+        self.shown.follow(change);
+        if let Some(armature) = &mut self.armature {
+            armature.follow(change);
+        }
         if let Some(tear) = &mut self.tear {
             tear.0.follow(change);
         }

@@ -1,6 +1,7 @@
 //! Cutting: a blade swept between two rays.
 
 use bevy::prelude::*;
+use cloth_solver::Soa3;
 use cloth_solver::damage::Stroke;
 use cloth_solver::topology::Change;
 
@@ -53,19 +54,24 @@ impl Strokes {
 }
 
 impl WholeItem<'_, '_> {
-    /// Cuts it by a blade from `from`, or from where `stroke` left off, to `to`; the stroke from then on.
+    /// Cuts it by a blade from `from`, or from where `stroke` left off, to `to`; the stroke from then on. The blade meets the
+    /// shape that is `drawn`, or that of the last tick.
     pub fn sweep(
         &mut self,
         stroke: Option<Stroke>,
         [from, to]: [Ray3d; 2],
         reach: f32,
+        drawn: bool,
         commands: &mut Commands,
     ) -> Stroke {
         let ends = |ray: Ray3d| [ray.origin, ray.get_point(reach)].map(|point| self.frame.to_local(point));
         let (from, to) = (ends(from), ends(to));
-        let mut stroke = stroke.unwrap_or_else(|| Stroke::new(from, &self.particles.position));
+        let drawn = Some(self.shown.positions()).filter(|shown| drawn && shown.len() == self.topology.slots());
+        let drawn = drawn.map(Soa3::from_slice);
+        let position = drawn.as_ref().unwrap_or(&self.particles.position);
+        let mut stroke = stroke.unwrap_or_else(|| Stroke::new(from, position));
         let mut now = self.topology.0.clone();
-        if let Some(cut) = stroke.sweep(&mut now, &self.particles.position, to) {
+        if let Some(cut) = stroke.sweep(&mut now, position, to) {
             self.become_(now, &cut.change, commands);
             let (entity, position) = (self.entity, self.place(cut.at));
             report(commands, ClothCut { entity, particle: cut.at, position, edges: cut.edges as u32 });
@@ -77,6 +83,6 @@ impl WholeItem<'_, '_> {
 /// Answers [`CutCloth`].
 pub(crate) fn on_cut(asked: On<CutCloth>, mut cloths: Query<Whole>, mut commands: Commands) {
     if let Ok(mut cloth) = cloths.get_mut(asked.entity) {
-        cloth.sweep(None, [asked.from, asked.to], asked.reach, &mut commands);
+        cloth.sweep(None, [asked.from, asked.to], asked.reach, false, &mut commands);
     }
 }

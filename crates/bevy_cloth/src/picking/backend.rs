@@ -1,4 +1,4 @@
-//! Casts the rays of all pointers against the shape each cloth has now.
+//! Casts the rays of all pointers against the shape that is drawn of each cloth.
 
 use std::sync::Arc;
 
@@ -11,20 +11,24 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::prelude::*;
 use cloth_solver::pick::Surface;
-use cloth_solver::{Particles, Topology, measure};
+use cloth_solver::{Particles, Soa3, Topology, measure};
 
 use super::{ClothHit, ClothPicking};
 use crate::cloth::{ClothFrame, ClothTopology};
+use crate::shown::ShownShape;
 
 /// What rays are cast against: bounds of a cloth, and a hierarchy of its triangles made when the bounds are first met.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ClothSurface {
     topology: Arc<Topology>,
+    /// What is drawn, or where nothing is drawn the particles.
+    positions: Soa3,
+    positions_of: [Tick; 2],
     bounds: (Vec3, Vec3),
-    bounds_of: Tick,
+    /// Made when the bounds are first met, and fitted to the positions unless it `is_stale`.
     surface: Option<Surface>,
-    surface_of: Tick,
+    is_stale: bool,
 }
 
 /// The backend.
@@ -36,7 +40,7 @@ pub(crate) fn cast(
         Entity,
         &ClothTopology,
         &ClothFrame,
-        Ref<Particles>,
+        (Ref<Particles>, Ref<ShownShape>),
         Option<&RenderLayers>,
         Option<&Pickable>,
         Option<&mut ClothSurface>,
@@ -51,20 +55,20 @@ pub(crate) fn cast(
     for (id, ray) in rays.iter() {
         let Ok((camera, camera_layers)) = cameras.get(id.camera) else { continue };
         let mut picks = Vec::new();
-        for (entity, topology, frame, particles, layers, pickable, surface) in &mut cloths {
+        for (entity, topology, frame, (particles, shape), layers, pickable, surface) in &mut cloths {
             let same_layer = camera_layers.unwrap_or_default().intersects(layers.unwrap_or_default());
             if pickable.is_some_and(|p| !p.is_hoverable && !p.should_block_lower) || !same_layer || !shown.get(entity) {
                 continue;
             }
             let Some(mut surface) = surface else {
-                commands.entity(entity).try_insert(ClothSurface::new(topology, &particles));
+                commands.entity(entity).try_insert(ClothSurface::new(topology, &particles, &shape));
                 continue;
             };
             let local = Ray3d {
                 origin: frame.to_local(ray.origin),
                 direction: Dir3::new_unchecked((frame.pose.rotation.conjugate() * *ray.direction).normalize()),
             };
-            let Some(hit) = surface.cast(topology, &particles, local) else { continue };
+            let Some(hit) = surface.cast(topology, &particles, &shape, local) else { continue };
             let extra = ClothHit { particle: hit.particle, triangle: hit.triangle, weights: hit.weights.into() };
             let position = Some(ray.get_point(hit.distance));
             let normal = Some(frame.pose.rotation * hit.normal);
@@ -96,14 +100,15 @@ impl Shown<'_, '_> {
 }
 
 impl ClothSurface {
-    fn new(topology: &ClothTopology, particles: &Ref<Particles>) -> Self {
-        let now = particles.last_changed();
+    fn new(topology: &ClothTopology, particles: &Ref<Particles>, shape: &Ref<ShownShape>) -> Self {
+        let positions = seen(topology, particles, shape);
         Self {
             topology: topology.0.clone(),
-            bounds: measure::bounds(topology, &particles.position),
-            bounds_of: now,
+            bounds: measure::bounds(topology, &positions),
+            positions,
+            positions_of: [particles.last_changed(), shape.last_changed()],
             surface: None,
-            surface_of: now,
+            is_stale: true,
         }
     }
 
@@ -111,12 +116,14 @@ impl ClothSurface {
         &mut self,
         topology: &ClothTopology,
         particles: &Ref<Particles>,
+        shape: &Ref<ShownShape>,
         ray: Ray3d,
     ) -> Option<cloth_solver::pick::SurfaceHit> {
-        let now = particles.last_changed();
-        if self.bounds_of != now {
-            self.bounds = measure::bounds(topology, &particles.position);
-            self.bounds_of = now;
+        let now = [particles.last_changed(), shape.last_changed()];
+        if self.positions_of != now || !Arc::ptr_eq(&self.topology, &topology.0) {
+            self.positions = seen(topology, particles, shape);
+            self.bounds = measure::bounds(topology, &self.positions);
+            (self.positions_of, self.is_stale) = (now, true);
         }
         if !Arc::ptr_eq(&self.topology, &topology.0) {
             (self.topology, self.surface) = (topology.0.clone(), None);
@@ -124,15 +131,19 @@ impl ClothSurface {
         if !meets(ray, self.bounds) {
             return None;
         }
-        let surface = self.surface.get_or_insert_with(|| {
-            self.surface_of = Tick::default();
-            Surface::new(topology)
-        });
-        if self.surface_of != now {
-            surface.refit(topology, &particles.position);
-            self.surface_of = now;
+        let surface = self.surface.get_or_insert_with(|| Surface::new(topology));
+        if std::mem::take(&mut self.is_stale) {
+            surface.refit(topology, &self.positions);
         }
-        surface.cast(topology, &particles.position, ray.origin, *ray.direction)
+        surface.cast(topology, &self.positions, ray.origin, *ray.direction)
+    }
+}
+
+/// The positions that a pointer meets.
+fn seen(topology: &Topology, particles: &Particles, shape: &ShownShape) -> Soa3 {
+    match shape.positions() {
+        drawn if drawn.len() == topology.slots() => Soa3::from_slice(drawn),
+        _ => particles.position.clone(),
     }
 }
 

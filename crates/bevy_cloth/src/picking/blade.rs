@@ -69,7 +69,7 @@ pub(crate) fn cut(
                         let seen = layers.unwrap_or_default().intersects(cloth_layers.unwrap_or_default());
                         if seen && shown.get(cloth.entity) {
                             let begun = cloth.history.strokes.take(which);
-                            let stroke = cloth.sweep(begun, [first, last], REACH, &mut commands);
+                            let stroke = cloth.sweep(begun, [first, last], REACH, true, &mut commands);
                             cloth.history.strokes.put(which, stroke);
                         }
                     }

@@ -1,19 +1,21 @@
 //! What pins hang on, and how it moves from tick to tick.
 
+mod make;
+
 use bevy::prelude::*;
-use cloth_solver::constraint::{Pin, Pins as SolverPins};
-use cloth_solver::{ClothError, Motion, Pose, Soa3, Topology};
+use cloth_solver::constraint::{Pin, Pins as SolverPins, Skin as SolverSkin};
+use cloth_solver::{ClothError, Motion, Pose, Topology};
 
 use super::follow::is_near;
 use super::placement::Placements;
-use super::select::select;
-use super::source::Skin;
 use super::{Follow, placed, relative};
 use crate::cloth::ClothFrame;
 use crate::particle_pins::{ParticlePin, ParticlePins};
-use crate::pins::{PinTarget, Pins};
+use crate::pins::PinTarget;
 use crate::step::ClothTick;
 use crate::teleport::Teleport;
+
+pub(crate) use make::{Worn, make};
 
 /// The field named when a pin's entity has no place in the world (yet): the one fault that can mend without a change
 /// of the pins.
@@ -43,10 +45,12 @@ enum Anchor {
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Anchors {
     all: Vec<Anchor>,
-    /// How many of them are those of [`Pins`]; the others are those of [`ParticlePins`].
+    /// How many of them are those of [`Pins`](crate::Pins); the others are those of [`ParticlePins`].
     authored: usize,
-    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    /// The pins of [`Pins`](crate::Pins) and [`Freedom`](crate::Freedom), also those that [`ParticlePins`] releases.
     pins: Vec<Pin>,
+    /// What the joints of an armature take along, and how far what is free may get from there.
+    skin: Option<SolverSkin>,
 }
 
 /// Whether `error` says that a pin's entity is not there (yet).
@@ -54,42 +58,7 @@ pub(crate) fn waits_for_entity(error: &ClothError) -> bool {
     matches!(error, ClothError::OutOfRange { field: TARGET_ENTITY, .. })
 }
 
-/// The solver's pins for `pins`, made at the present `position` of the particles, and what they hang on.
-pub(crate) fn make(
-    pins: &Pins,
-    topology: &Topology,
-    skin: &Skin,
-    position: &Soa3,
-    frame: &ClothFrame,
-    placements: &Placements,
-) -> Result<(SolverPins, Anchors), ClothError> {
-    let mut made = SolverPins::default();
-    let mut anchors = Anchors::default();
-    let mut taken = vec![false; topology.slots()];
-    for group in &pins.0 {
-        let mut anchor = Anchor::new(group.to, frame, placements)?;
-        let index = anchors.all.iter().position(|known| *known == anchor).unwrap_or_else(|| {
-            made.frames.push(anchor.advance(frame));
-            anchors.all.push(anchor);
-            anchors.all.len() - 1
-        });
-        for slot in select(&group.select, topology, skin)? {
-            if std::mem::replace(&mut taken[slot as usize], true) {
-                continue;
-            }
-            let local = match anchor {
-                Anchor::Cloth => topology.rest[slot as usize],
-                _ => made.frames[index].to.inverse_point(position.get(slot as usize)),
-            };
-            made.pins.push(Pin { particle: slot, frame: index as u32, local });
-        }
-    }
-    anchors.authored = anchors.all.len();
-    anchors.pins.clone_from(&made.pins);
-    Ok((made, anchors))
-}
-
-/// The pins in `made` that [`Pins`] makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
+/// The pins in `made` that [`Pins`](crate::Pins) makes, but for what `edits` release, and those that `edits` hold. Replaces the anchors of
 /// earlier edits.
 pub(crate) fn edit(
     made: &SolverPins,
@@ -193,14 +162,39 @@ impl Anchor {
 }
 
 impl Anchors {
-    /// Sees the entities that pins hang on before the first of several fixed steps in one frame.
-    pub fn look(&mut self, placements: &Placements) {
-        self.see(placements, Follow::look);
+    /// Sees the entities that pins hang on before the first fixed step in a frame.
+    pub fn look(&mut self, placements: &Placements, ticks: f32) {
+        self.see(placements, |follow, target| follow.look(target, ticks));
     }
 
     /// Sees where they are in this tick. One that is gone or nowhere leaves its pins where they are.
     pub fn aim(&mut self, placements: &Placements, tick: &ClothTick) {
         self.see(placements, |follow, target| follow.aim(target, tick));
+    }
+
+    /// The index of what follows `to`, which is added if there is none yet.
+    fn index(
+        &mut self,
+        to: PinTarget,
+        made: &mut SolverPins,
+        frame: &ClothFrame,
+        placements: &Placements,
+    ) -> Result<u32, ClothError> {
+        let mut anchor = Anchor::new(to, frame, placements)?;
+        if let Some(known) = self.all.iter().position(|known| *known == anchor) {
+            return Ok(known as u32);
+        }
+        made.frames.push(anchor.advance(frame));
+        self.all.push(anchor);
+        Ok(self.all.len() as u32 - 1)
+    }
+
+    /// What the joints of an armature take along, but for what `edits` hold elsewhere.
+    pub fn skin(&self, edits: Option<&ParticlePins>) -> Option<SolverSkin> {
+        let mut skin = self.skin.clone()?;
+        let held = edits.map_or(&[][..], |edits| &edits.held);
+        skin.pins.retain(|(particle, _)| held.iter().all(|pin| pin.particle != *particle));
+        Some(skin)
     }
 
     /// Whether any of it is another entity.
@@ -276,12 +270,26 @@ impl Anchors {
         }
     }
 
-    /// The pins of [`Pins`], also those that [`ParticlePins`] releases.
+    /// Where each frame of the pins of the cloth `entity` is at this moment, seen from `frame`: what they follow moves on between
+    /// ticks.
+    pub fn now(&self, entity: Entity, frame: &ClothFrame, placements: &Placements) -> impl Iterator<Item = Pose> {
+        let stands = |entity| placements.get(entity).map(|placement| placement.pose).filter(Pose::is_finite);
+        self.all.iter().map(move |anchor| {
+            let now = match anchor {
+                Anchor::Cloth => stands(entity).unwrap_or(frame.follow.target),
+                Anchor::World(pose) => *pose,
+                Anchor::Entity { entity, follow, .. } => stands(*entity).unwrap_or(follow.target),
+            };
+            relative(&frame.pose, &now)
+        })
+    }
+
+    /// The pins of [`Pins`](crate::Pins), also those that [`ParticlePins`] releases.
     pub fn authored(&self) -> &[Pin] {
         &self.pins
     }
 
-    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where the pins of [`Pins`] on other things
+    /// Where the rest shape belongs, seen from the cloth's frame: at rest in it, or where the pins of [`Pins`](crate::Pins) on other things
     /// hold it.
     pub fn home(&self, frame: &ClothFrame) -> Pose {
         if self.holding(&self.pins).any(|(anchor, _)| *anchor == Anchor::Cloth) {

@@ -1,17 +1,21 @@
 //! What was authored: noticing what changed, and remembering what is wrong.
 
 use bevy::ecs::query::QueryData;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::forces::Gusts;
 use cloth_solver::{ClothError, Fabric, Topology};
 
+use super::DrawnMesh;
+use super::anchors::{self, Worn};
+use super::armature::{Armature, TakenSkin};
 use super::placement::Placement;
 use super::shared::{SharedChanges, SharedSettings};
-use super::{DrawnMesh, anchors};
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::damage::{Flammable, Tearable};
+use crate::freedom::Freedom;
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Substeps};
@@ -34,6 +38,7 @@ pub(crate) struct Authored {
     fabric: Option<Fabric>,
     pins: Option<Pins>,
     particle_pins: Option<ParticlePins>,
+    freedom: Option<Freedom>,
     weights: Option<Weights>,
     gravity: Option<Gravity>,
     substeps: Option<Substeps>,
@@ -59,6 +64,8 @@ pub(crate) struct Authored {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum WaitsFor {
     Mesh,
+    /// The joints of a skinned mesh, or its bind poses.
+    Skin,
     FiniteTransform,
 }
 
@@ -114,6 +121,9 @@ pub(crate) struct Wanted {
     fabric: Option<Ref<'static, Fabric>>,
     pins: Option<Ref<'static, Pins>>,
     particle_pins: Option<Ref<'static, ParticlePins>>,
+    freedom: Option<Ref<'static, Freedom>>,
+    skinned: Option<Ref<'static, SkinnedMesh>>,
+    taken: Option<&'static TakenSkin>,
     weights: Option<Ref<'static, Weights>>,
     gravity: Option<Ref<'static, Gravity>>,
     substeps: Option<Ref<'static, Substeps>>,
@@ -175,6 +185,17 @@ impl WantedItem<'_, '_> {
         self.particle_pins.as_deref()
     }
 
+    /// What holds it where, by `armature` if it has one; `None` if nothing does.
+    pub fn worn<'a>(&'a self, armature: Option<&'a Armature>) -> Option<Worn<'a>> {
+        let (pins, freedom) = (self.pins(), self.freedom.as_deref());
+        (pins.is_some() || freedom.is_some()).then_some(Worn { pins, freedom, armature })
+    }
+
+    /// The skin of the entity's mesh, seen past that a cloth took it off.
+    pub fn skin(&self) -> Option<TakenSkin> {
+        self.skinned.as_deref().map(TakenSkin::new).or_else(|| self.taken.cloned())
+    }
+
     pub fn weights(&self) -> Option<&Weights> {
         self.weights.as_deref()
     }
@@ -226,6 +247,7 @@ impl WantedItem<'_, '_> {
         let scale = placement.map_or(seen.scale, |placement| placement.scale);
         let arrived = match seen.waits_for {
             Some(WaitsFor::Mesh) => mesh.is_some_and(|id| meshes.is_some_and(|meshes| meshes.contains(id))),
+            Some(WaitsFor::Skin) => true,
             Some(WaitsFor::FiniteTransform) => placement.is_some(),
             None => false,
         };
@@ -236,10 +258,13 @@ impl WantedItem<'_, '_> {
                 || (!running && !seen.stale)
                 || arrived
                 || new_mesh
+                || (mesh.is_some() && self.skinned.as_ref().is_some_and(|skin| skin.is_changed()))
                 || (self.cloth.is_changed() && seen.source.as_ref() != Some(&self.cloth.source))
                 || differs_in_scale(scale, seen.scale),
             fabric: differs(&self.fabric, &seen.fabric),
-            pins: differs(&self.pins, &seen.pins) || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
+            pins: differs(&self.pins, &seen.pins)
+                || differs(&self.freedom, &seen.freedom)
+                || seen.faults.pins.as_ref().is_some_and(anchors::waits_for_entity),
             particle_pins: differs(&self.particle_pins, &seen.particle_pins)
                 || seen.faults.particle_pins.as_ref().is_some_and(anchors::waits_for_entity),
             weights: differs(&self.weights, &seen.weights),
@@ -281,6 +306,7 @@ impl WantedItem<'_, '_> {
         }
         if changes.pins {
             seen.pins = self.pins.as_deref().cloned();
+            seen.freedom = self.freedom.as_deref().copied();
         }
         if changes.particle_pins {
             seen.particle_pins = self.particle_pins.as_deref().cloned();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
@@ -11,9 +12,10 @@ use cloth_solver::constraint::Pins as SolverPins;
 use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::forces::Gusts;
 use cloth_solver::rest::Rest;
-use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose, Topology};
+use cloth_solver::{Cloth as SolverCloth, ClothError, Fabric, Particles, Pose, Soa3, Topology};
 
 use super::anchors::{self, Anchors};
+use super::armature::{Armature, Skins, influences};
 use super::authored::{WaitsFor, Wanted, WantedItem, user_mesh};
 use super::placement::{Placement, Placements};
 use super::shared::{SharedSettings, SharedValues};
@@ -23,10 +25,12 @@ use crate::air::Wind;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces, Flammable, TearState, Tearable};
 use crate::events::ClothRejected;
+use crate::freedom::Freedom;
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::report::report;
 use crate::settings::{Grabs, Gravity, Substeps};
+use crate::shown::ShownShape;
 use crate::sleep::{ClothAsleep, ClothSleep, wake_up};
 use crate::teleport::Teleport;
 use crate::weights::{Loads, Weights};
@@ -43,6 +47,7 @@ pub(crate) struct Running {
     constraints: &'static mut Constraints,
     contacts: &'static mut Contacts,
     anchors: &'static mut Anchors,
+    armature: Option<&'static Armature>,
     loads: &'static mut Loads,
     fire: Option<&'static mut ClothFire>,
 }
@@ -52,6 +57,7 @@ pub(crate) struct Running {
 pub(crate) struct Surroundings<'w, 's> {
     placements: Placements<'w, 's>,
     meshes: Option<Res<'w, Assets<Mesh>>>,
+    skins: Skins<'w>,
     shared: SharedSettings<'w>,
 }
 
@@ -63,7 +69,7 @@ type Touched = (
         Without<ClothAsleep>,
         Or<(Changed<Cloth>, Changed<Fabric>, Changed<Pins>, Changed<Weights>, Changed<Transform>, Changed<Mesh3d>)>,
         Or<(Changed<Gravity>, Changed<Substeps>, Changed<Method>, Changed<Teleport>, Changed<ClothSleep>)>,
-        Or<(Changed<SelfContact>, Changed<ParticlePins>)>,
+        Or<(Changed<SelfContact>, Changed<ParticlePins>, Changed<Freedom>, Changed<SkinnedMesh>)>,
         Or<(Changed<Grabs>, Changed<Tearable>, Changed<Flammable>, Changed<Air>, Changed<Wind>, Changed<Gusts>)>,
     )>,
 );
@@ -167,18 +173,42 @@ impl WantedItem<'_, '_> {
                 mesh
             }
         };
-        match shape(self.source(), placement.scale, mesh) {
+        let skin = self.skin().filter(|_| mesh.is_some());
+        let binding = match (skin, mesh.and_then(influences)) {
+            (Some(skin), Some(influences)) => match around.skins.bind(influences, &skin, &around.placements) {
+                Ok(Some(binding)) => Some((binding, skin)),
+                Ok(None) => {
+                    self.authored.waits_for = Some(WaitsFor::Skin);
+                    return;
+                }
+                Err(error) => {
+                    self.authored.faults.source = Some(error);
+                    return;
+                }
+            },
+            _ => None,
+        };
+        let scale = binding.as_ref().map_or(placement.scale, |(binding, _)| binding.scale);
+        match shape(self.source(), scale, mesh) {
             Err(error) => self.authored.faults.source = Some(error),
             Ok(_) if self.authored.faults.fabric.is_some() => {}
             Ok((topology, skin)) => {
                 let (topology, skin) = (ClothTopology(Arc::new(topology)), ClothSkin(Arc::new(skin)));
                 let whole = topology.0.clone();
-                match self.assemble(topology, skin, placement, &around.placements, renew) {
+                let armature = binding.as_ref().map(|(binding, _)| binding.armature(&whole));
+                match self.assemble(topology, skin, placement, armature.as_ref(), &around.placements, renew) {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
                         self.authored.stale = false;
                         let mut entity = commands.entity(self.entity);
                         entity.try_insert(state);
+                        match armature.zip(binding) {
+                            Some((armature, (_, taken))) => {
+                                // The cloth is drawn where its joints take it: nobody is to do that once more.
+                                entity.try_insert((armature, taken)).try_remove::<SkinnedMesh>();
+                            }
+                            None => _ = entity.try_remove::<Armature>(),
+                        }
                         if renew {
                             // What was held, torn or burnt is no more.
                             entity
@@ -197,6 +227,7 @@ impl WantedItem<'_, '_> {
         topology: ClothTopology,
         skin: ClothSkin,
         placement: Placement,
+        armature: Option<&Armature>,
         placements: &Placements,
         renew: bool,
     ) -> Result<impl Bundle + use<>, ClothError> {
@@ -212,6 +243,10 @@ impl WantedItem<'_, '_> {
         };
         let SolverCloth { mut particles, mut constraints, contacts, .. } =
             SolverCloth::new(topology.0.clone(), &fabric)?;
+        if let Some(armature) = armature {
+            particles.position = Soa3::from_slice(&armature.now(&frame, placements));
+            particles.previous.copy_from(&particles.position);
+        }
         let history = ClothHistory { position: particles.position.clone(), strokes: Default::default() };
         let loads = Loads::find(self.weights(), &topology, &skin.0);
         self.authored.faults.weights = loads.as_ref().err().cloned();
@@ -219,8 +254,8 @@ impl WantedItem<'_, '_> {
         loads.hang(&mut particles)?;
         let mut anchors = Anchors::default();
         self.authored.faults.pins = None;
-        if let Some(pins) = self.pins() {
-            let made = anchors::make(pins, &topology, &skin.0, &particles.position, &frame, placements);
+        if let Some(worn) = self.worn(armature) {
+            let made = anchors::make(worn, &topology, &skin.0, &particles.position, &frame, placements);
             let hung = made.and_then(|(pins, anchors)| constraints.set_pins(&mut particles, pins).map(|()| anchors));
             match hung {
                 Ok(made) => anchors = made,
@@ -235,7 +270,8 @@ impl WantedItem<'_, '_> {
             let held = edited.and_then(|pins| constraints.set_pins(&mut particles, pins));
             self.authored.faults.particle_pins = held.err();
         }
-        let plan = (StepPlan::default(), Rest::default());
+        constraints.set_skin(&particles, anchors.skin(self.particle_pins().filter(|_| !renew)))?;
+        let plan = (StepPlan::default(), Rest::default(), ShownShape::default());
         Ok((topology, skin, frame, particles, constraints, contacts, history, anchors, loads, plan))
     }
 
@@ -288,6 +324,7 @@ impl RunningItem<'_, '_> {
         self.loads.hang(&mut particles)?;
         let pins = self.constraints.pins().clone();
         constraints.set_pins(&mut particles, pins)?;
+        constraints.set_skin(&particles, self.constraints.skin().cloned())?;
         let old = &mut *self.particles;
         std::mem::swap(&mut particles.position, &mut old.position);
         std::mem::swap(&mut particles.previous, &mut old.previous);
@@ -305,10 +342,10 @@ impl RunningItem<'_, '_> {
 
     /// Other pins on the same cloth. If they are refused it has none.
     fn change_pins(&mut self, wanted: &WantedItem, placements: &Placements) -> Result<(), ClothError> {
-        let made = match wanted.pins() {
-            Some(pins) => {
+        let made = match wanted.worn(self.armature) {
+            Some(worn) => {
                 let position = &self.particles.position;
-                anchors::make(pins, &self.topology.0, &self.skin.0, position, self.frame, placements)
+                anchors::make(worn, &self.topology.0, &self.skin.0, position, self.frame, placements)
             }
             None => Ok((SolverPins::default(), Anchors::default())),
         };
@@ -317,7 +354,9 @@ impl RunningItem<'_, '_> {
             Err(error) => (SolverPins::default(), Anchors::default(), Err(error)),
         };
         *self.anchors = anchors;
+        self.constraints.set_skin(&self.particles, None)?;
         self.constraints.set_pins(&mut self.particles, pins)?;
+        self.constraints.set_skin(&self.particles, self.anchors.skin(None))?;
         result
     }
 
@@ -332,6 +371,8 @@ impl RunningItem<'_, '_> {
             Err(error) => (edit(None)?, Err(error)),
         };
         self.constraints.set_pins(&mut self.particles, pins)?;
+        let edits = edits.filter(|_| result.is_ok());
+        self.constraints.set_skin(&self.particles, self.anchors.skin(edits))?;
         result
     }
 }

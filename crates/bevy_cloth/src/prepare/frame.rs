@@ -9,7 +9,7 @@ use cloth_solver::tick::{Effort, Pace};
 use cloth_solver::{Fabric, Method, Motion, Particles, Pose, Soa3, Substep, Tick};
 
 use super::placement::{Placement, Placements};
-use super::{Anchors, Authored, Follow};
+use super::{Anchors, Armature, Authored, Follow};
 use crate::clock::ClothClock;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces};
@@ -71,11 +71,11 @@ impl StepPlan {
         }
     }
 
-    /// Sees the hands before the first of several fixed steps in one frame.
-    pub fn look(&mut self, grabs: Option<&Grabs>) {
+    /// Sees the hands before the first fixed step in a frame.
+    pub fn look(&mut self, grabs: Option<&Grabs>, ticks: f32) {
         for grab in grabs.iter().flat_map(|grabs| &grabs.0) {
             if let Some((_, follow)) = self.hands.iter_mut().find(|(hand, _)| *hand == grab.hand) {
-                follow.look(pulled_to(grab));
+                follow.look(pulled_to(grab), ticks);
             }
         }
     }
@@ -165,6 +165,7 @@ pub(crate) struct Ticking {
     constraints: &'static mut Constraints,
     history: &'static mut ClothHistory,
     anchors: &'static mut Anchors,
+    armature: Option<&'static Armature>,
     loads: &'static Loads,
     plan: &'static mut StepPlan,
     grabs: Option<&'static Grabs>,
@@ -254,12 +255,12 @@ impl TickingItem<'_, '_> {
 
     /// Puts it in its rest shape where its pins end this tick. They stand in it.
     fn put_to_rest(&mut self) {
-        let Self { topology, frame, particles, constraints, history, anchors, .. } = self;
+        let Self { topology, frame, particles, constraints, history, anchors, armature, .. } = self;
         for motion in constraints.pin_frames_mut() {
             motion.from = motion.to;
         }
         let place = anchors.home(frame);
-        reset(particles, history, &topology.rest, &constraints.pins().frames, &constraints.pins().pins, &place);
+        reset(particles, history, &topology.rest, constraints, &constraints.pins().pins, *armature, &place);
     }
 
     /// Goes on with `method` in the shape and at the speed it has.
@@ -326,17 +327,23 @@ fn reset(
     particles: &mut Particles,
     history: &mut ClothHistory,
     rest: &[Vec3],
-    frames: &[Motion],
+    constraints: &Constraints,
     pins: &[Pin],
+    armature: Option<&Armature>,
     place: &Pose,
 ) {
-    for (slot, rest) in rest.iter().enumerate() {
-        particles.position.set(slot, place.point(*rest));
+    let frames: &[Motion] = &constraints.pins().frames;
+    match armature.and_then(|armature| armature.place(frames)) {
+        Some(worn) => particles.position = Soa3::from_slice(&worn),
+        None => (rest.iter().enumerate()).for_each(|(slot, rest)| particles.position.set(slot, place.point(*rest))),
     }
     for pin in pins {
         if let Some(motion) = frames.get(pin.frame as usize) {
             particles.position.set(pin.particle as usize, motion.to.point(pin.local));
         }
+    }
+    for (particle, point) in constraints.skin().iter().flat_map(|skin| &skin.pins) {
+        particles.position.set(*particle as usize, point.point(|frame| frames[frame as usize].to));
     }
     particles.previous.copy_from(&particles.position);
     history.position.copy_from(&particles.position);
@@ -354,6 +361,7 @@ pub(crate) struct Resettable {
     topology: &'static ClothTopology,
     frame: &'static mut ClothFrame,
     anchors: &'static mut Anchors,
+    armature: Option<&'static Armature>,
     authored: &'static mut Authored,
     own: Option<&'static mut SelfContacts>,
     is_damaged: Has<ClothPieces>,
@@ -374,8 +382,9 @@ pub(crate) fn on_reset(
         }
         cloth.anchors.stand_still(&cloth.frame, cloth.constraints.pin_frames_mut(), &placements);
         let place = cloth.anchors.home(&cloth.frame);
-        let (frames, pins) = (&cloth.constraints.pins().frames, cloth.anchors.authored());
-        reset(&mut cloth.particles, &mut cloth.history, &cloth.topology.rest, frames, pins, &place);
+        let (pins, armature) = (cloth.anchors.authored(), cloth.armature);
+        let rest = &cloth.topology.rest;
+        reset(&mut cloth.particles, &mut cloth.history, rest, &cloth.constraints, pins, armature, &place);
         commands.entity(asked.entity).try_remove::<ParticlePins>();
         (cloth.contacts.touching, cloth.contacts.deepest) = (0, 0.0);
         if let Some(own) = &mut cloth.own {

@@ -1,6 +1,7 @@
 //! From authored components to runtime state, and the state of each tick.
 
 mod anchors;
+mod armature;
 mod authored;
 mod build;
 mod collider;
@@ -20,11 +21,13 @@ use cloth_solver::Pose;
 use cloth_solver::forces::{Fan, WindZone};
 
 use crate::air;
+use crate::bones;
 use crate::groups;
 use crate::schedule::{ClothSchedule, ClothSystems};
 use crate::sleep;
 
 pub(crate) use anchors::Anchors;
+pub(crate) use armature::{Armature, TakenSkin};
 pub(crate) use authored::{Authored, differs_in_scale};
 pub(crate) use collider::{ColliderState, Colliders};
 pub(crate) use follow::Follow;
@@ -85,7 +88,8 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
             schedule.set_executor(SingleThreadedExecutor::new());
         })
         .add_systems(BuildSchedule, ((build::build, air::build).chain(), collider::build, winds, frame::look_in_pause))
-        .add_systems(schedule, run_build.in_set(ClothSystems::Build))
+        .add_systems(schedule, (bones::build, run_build).chain().in_set(ClothSystems::Build))
+        .add_observer(bones::on_removed)
         .add_systems(
             ClothSchedule,
             (

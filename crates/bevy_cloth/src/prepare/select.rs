@@ -47,6 +47,21 @@ pub(crate) fn select(select: &PinSelect, topology: &Topology, skin: &Skin) -> Re
     Ok(chosen)
 }
 
+/// How free each slot is by what is painted on the mesh, 0..=1; of several vertices of a particle the least free counts.
+pub(crate) fn freedom(topology: &Topology, skin: &Skin) -> Result<Vec<f32>, ClothError> {
+    let mut free = vec![1.0_f32; topology.slots()];
+    let vertices = topology.vertex_particle.iter().map(|slot| *slot as usize);
+    if skin.freedom.is_empty() {
+        vertices.zip(&skin.colors).for_each(|(slot, color)| free[slot] = free[slot].min(color[0].clamp(0.0, 1.0)));
+        return Ok(free);
+    }
+    for (slot, painted) in vertices.zip(&skin.freedom) {
+        ClothError::check("ATTRIBUTE_FREEDOM", *painted, 0.0..=1.0, "0..=1")?;
+        free[slot] = free[slot].min(*painted);
+    }
+    Ok(free)
+}
+
 fn check_bounds(field: &'static str, corner: Vec3) -> Result<(), ClothError> {
     let worst = corner.to_array().into_iter().find(|x| x.is_nan());
     worst.map_or(Ok(()), |value| Err(ClothError::OutOfRange { field, value, allowed: "any number of metres" }))

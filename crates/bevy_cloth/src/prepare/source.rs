@@ -7,6 +7,7 @@ use cloth_solver::{ClothError, Topology};
 
 use crate::cloth::ClothSource;
 use crate::damage::ATTRIBUTE_STRENGTH;
+use crate::freedom::ATTRIBUTE_FREEDOM;
 
 /// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex, unless said otherwise.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +18,8 @@ pub(crate) struct Skin {
     pub colors: Vec<[f32; 4]>,
     /// Factors on the strength, or empty.
     pub strength: Vec<f32>,
+    /// How free each is, or empty.
+    pub freedom: Vec<f32>,
     /// For each slot whether it lies on the border that the whole cloth had.
     #[cfg(feature = "render")]
     pub hem: Vec<bool>,
@@ -43,6 +46,9 @@ impl Skin {
             }
             if let (Some(from), Some(to)) = (self.strength.get(a), self.strength.get(b)) {
                 self.strength.push(from + (to - from) * born.t);
+            }
+            if let (Some(from), Some(to)) = (self.freedom.get(a), self.freedom.get(b)) {
+                self.freedom.push(from + (to - from) * born.t);
             }
         }
     }
@@ -131,5 +137,9 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         Ok(Some(VertexAttributeValues::Float32(strength))) => strength.clone(),
         _ => Vec::new(),
     };
-    Ok((topology, Skin { uvs, colors, strength, ..Skin::default() }))
+    let freedom = match mesh.try_attribute_option(ATTRIBUTE_FREEDOM) {
+        Ok(Some(VertexAttributeValues::Float32(freedom))) => freedom.clone(),
+        _ => Vec::new(),
+    };
+    Ok((topology, Skin { uvs, colors, strength, freedom, ..Skin::default() }))
 }

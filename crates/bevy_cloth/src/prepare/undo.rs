@@ -6,7 +6,7 @@ use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::{Contacts, SelfContacts};
 use cloth_solver::rest::Rest;
 
-use super::{Anchors, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan};
+use super::{Anchors, Armature, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan, TakenSkin};
 use crate::air::Surroundings;
 use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
@@ -15,13 +15,14 @@ use crate::damage::{ClothFire, ClothPieces, TearState};
 use crate::particle_pins::ParticlePins;
 use crate::self_contact::Tangled;
 use crate::settings::Grabs;
+use crate::shown::ShownShape;
 use crate::sleep::ClothAsleep;
 use crate::weights::Loads;
 
 /// Everything the plugin puts on a cloth's entity.
 type Runtime = (
-    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, Grabs, ParticlePins),
-    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings),
+    (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, ShownShape, Grabs, ParticlePins),
+    (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings, Armature),
     (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled),
 );
 
@@ -36,6 +37,7 @@ pub(crate) fn on_cloth_removed(removed: On<Remove, Cloth>, mut commands: Command
         crate::render::undraw(&mut entity);
         #[cfg(feature = "picking")]
         crate::picking::forget(&mut entity);
+        TakenSkin::give_back(&mut entity);
         entity.remove::<Runtime>();
     });
 }

@@ -19,9 +19,9 @@ use bevy::pbr::{MaterialPlugin, PbrPlugin, StandardMaterial};
 use bevy::prelude::*;
 use bevy::shader::load_shader_library;
 
-use crate::clock;
 use crate::schedule::ClothSystems;
 use crate::settings::Shared;
+use crate::shown;
 
 pub(crate) use attach::undraw;
 pub use flames::ClothFlames;
@@ -98,7 +98,7 @@ pub(crate) fn plugin(app: &mut App) {
                 ),
             )
                 .chain()
-                .after(clock::interpolate)
+                .after(shown::show)
                 .in_set(ClothSystems::Draw),
         );
 }

@@ -4,7 +4,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use cloth_solver::{Fabric, Particles, Pose, Soa3, Topology};
+use cloth_solver::{Fabric, Particles, Pose, Topology};
 
 use super::ClothColoring;
 use super::color::{Told, ToldItem};
@@ -13,18 +13,15 @@ use super::material::StressColors;
 use super::subdivide::Subdivision;
 use super::surface::{self, TangentFrame};
 use super::wear::{self, Folds};
-use crate::clock::{ClothClock, ClothTime};
-use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
+use crate::cloth::{ClothFrame, ClothTopology};
 use crate::prepare::{ClothSkin, DrawnMesh, Placements, Skin};
 use crate::settings::Shared;
-use crate::sleep::ClothAsleep;
+use crate::shown::ShownShape;
 
 /// What is drawn of one cloth, and the memory to work it out.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Drawing {
-    /// Position of each slot as drawn, cloth frame, m.
-    shown: Vec<Vec3>,
     normals: Vec<Vec3>,
     tangents: Vec<Vec3>,
     tangent_frame: TangentFrame,
@@ -46,8 +43,6 @@ pub(crate) struct Drawing {
     /// It was last drawn with a [`ClothLook`](super::ClothLook).
     has_look: bool,
     written: bool,
-    /// It was asleep when it was last drawn, and so is what is drawn.
-    stands: bool,
 }
 
 impl Drawing {
@@ -63,7 +58,6 @@ impl Drawing {
         let mut fray = Vec::new();
         wear::fray(topology, &skin.hem, &mut fray);
         Self {
-            shown: vec![Vec3::ZERO; slots],
             normals: vec![Vec3::Z; slots],
             tangents: vec![Vec3::X; vertices],
             tangent_frame: TangentFrame::new(&topology.triangle_vertices, uvs),
@@ -78,7 +72,6 @@ impl Drawing {
             coloring: None,
             has_look: false,
             written: false,
-            stands: false,
         }
     }
 
@@ -102,25 +95,9 @@ impl Drawing {
         self.subdivision().map_or(1, Subdivision::parts)
     }
 
-    /// Position of each slot as drawn, cloth frame, m.
-    pub fn shown(&self) -> &[Vec3] {
-        &self.shown
-    }
-
     /// From the cloth's frame to that of the entity as drawn, scale included.
     pub fn relation(&self) -> &Affine3A {
         &self.relation
-    }
-
-    /// Takes over the shape between two ticks; whether it is another one than before.
-    fn show(&mut self, history: &Soa3, position: &Soa3, between: f32) -> bool {
-        let mut moved = false;
-        for (slot, shown) in self.shown.iter_mut().enumerate() {
-            let now = history.get(slot).lerp(position.get(slot), between);
-            moved |= *shown != now;
-            *shown = now;
-        }
-        moved
     }
 }
 
@@ -128,30 +105,29 @@ impl Drawing {
 pub(crate) fn write(
     mut cloths: Query<(
         Entity,
-        (&ClothTopology, &ClothSkin, &ClothFrame, &ClothHistory),
+        (&ClothTopology, &ClothSkin, &ClothFrame, Ref<ShownShape>),
         Ref<Particles>,
         Option<&Fabric>,
         Option<&ClothColoring>,
-        (&DrawnMesh, Told, Has<ClothAsleep>, Has<LookMaterial>),
+        (&DrawnMesh, Told, Has<LookMaterial>),
         &mut Drawing,
         Option<&mut Aabb>,
     )>,
     shared: Res<Shared<ClothColoring>>,
-    time: Res<Time<ClothClock>>,
     placements: Placements,
     mut meshes: ResMut<Assets<Mesh>>,
     stress_colors: Local<StressColors>,
 ) {
-    for (entity, state, particles, fabric, coloring, (mesh, told, asleep, has_look), mut drawing, aabb) in &mut cloths {
-        let (topology, skin, frame, history) = state;
+    for (entity, state, particles, fabric, coloring, (mesh, told, has_look), mut drawing, aabb) in &mut cloths {
+        let (topology, skin, frame, shape) = state;
         let drawing = &mut *drawing;
         let coloring = *coloring.unwrap_or(&shared);
         let relation = relation(&frame.pose, placements.affine(entity));
         let Some(relation) = relation.filter(|relation| relation.is_finite()) else { continue };
-        // Between two equal positions rounding depends on the place: what sleeps is drawn once more, where it is.
-        let stood = std::mem::replace(&mut drawing.stands, asleep) && asleep && !particles.is_changed();
-        let between = if asleep { 1.0 } else { time.interpolation() };
-        let moved = !stood && drawing.show(&history.position, &particles.position, between);
+        let (moved, shown) = (shape.is_changed(), shape.positions());
+        if shown.len() != topology.slots() {
+            continue;
+        }
         let recolored = drawing.coloring != Some(coloring)
             || (coloring != ClothColoring::Material && particles.is_changed())
             || drawing.has_look != has_look
@@ -166,14 +142,14 @@ pub(crate) fn write(
         }
         drawing.relation = relation;
         drawing.written = true;
-        let bounds = drawing.write_shape(&mut mesh, topology, fabric.thickness / 2.0);
+        let bounds = drawing.write_shape(&mut mesh, topology, shown, fabric.thickness / 2.0);
         if let Some(mut aabb) = aabb {
             *aabb = Aabb::from_min_max(bounds.0, bounds.1);
         }
         // Folds darken where they are.
         if recolored || (has_look && coloring == ClothColoring::Material) {
             (drawing.coloring, drawing.has_look) = (Some(coloring), has_look);
-            drawing.write_colors(&mut mesh, topology, &skin.0, &particles, &fabric, &told, &stress_colors);
+            drawing.write_colors(&mut mesh, topology, shown, &skin.0, &particles, &fabric, &told, &stress_colors);
         }
     }
 }
@@ -190,10 +166,10 @@ fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
 
 impl Drawing {
     /// Writes positions, normals and tangents, and gives the bounds of the positions.
-    fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, half: f32) -> (Vec3, Vec3) {
+    fn write_shape(&mut self, mesh: &mut Mesh, topology: &Topology, shown: &[Vec3], half: f32) -> (Vec3, Vec3) {
         match &mut self.subdivision {
-            None => surface::normals(&topology.triangles, &self.shown, &mut self.normals),
-            Some(fine) => fine.apply(topology, &self.shown, &mut self.normals, &self.supports),
+            None => surface::normals(&topology.triangles, shown, &mut self.normals),
+            Some(fine) => fine.apply(topology, shown, &mut self.normals, &self.supports),
         }
         let particle = &topology.vertex_particle;
         let fine = self.subdivision.as_deref();
@@ -201,7 +177,7 @@ impl Drawing {
         // Position and normal of a vertex of the front.
         let surface = |vertex: usize| match fine {
             Some(fine) => (fine.positions()[vertex], fine.normals()[vertex]),
-            None => (self.shown[particle[vertex] as usize], self.normals[particle[vertex] as usize]),
+            None => (shown[particle[vertex] as usize], self.normals[particle[vertex] as usize]),
         };
         let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         if let Some(VertexAttributeValues::Float32x3(positions)) = values(mesh, Mesh::ATTRIBUTE_POSITION) {
@@ -228,7 +204,7 @@ impl Drawing {
             self.tangent_frame.tangents(
                 &topology.triangle_vertices,
                 particle,
-                &self.shown,
+                shown,
                 &self.normals,
                 &mut self.tangents,
             );
@@ -259,6 +235,7 @@ impl Drawing {
         &mut self,
         mesh: &mut Mesh,
         topology: &Topology,
+        shown: &[Vec3],
         skin: &Skin,
         particles: &Particles,
         fabric: &Fabric,
@@ -272,7 +249,7 @@ impl Drawing {
         let own = |vertex: usize| skin.colors.get(vertex).copied().unwrap_or([1.0; 4]);
         told.shares(coloring, topology, particles, fabric, &mut self.shares);
         if self.has_look && !tells {
-            self.folds.update(topology, &self.shown, &self.normals);
+            self.folds.update(topology, shown, &self.normals);
         }
         if let Some(VertexAttributeValues::Float32x4(colors)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
             for (vertex, slot) in topology.vertex_particle.iter().enumerate() {

@@ -11,6 +11,7 @@ use crate::air::{SharedWind, Surroundings, Wind};
 use crate::cloth::{ClothFrame, ClothHistory, ClothTopology};
 use crate::damage::{Flammable, Tearable};
 use crate::events::{ClothWoke, WakeCloth};
+use crate::freedom::Freedom;
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
 use crate::prepare::{Anchors, Colliders, Placement, Placements, StepPlan, WindSources, differs_in_scale};
@@ -130,7 +131,7 @@ pub(crate) fn on_asked(asked: On<WakeCloth>, mut commands: Commands) {
 /// What a sleeping cloth wakes without. Changes are noticed where they are taken over.
 type Removed = (
     (Fabric, Pins, ParticlePins, Weights, Gravity, Substeps, Method, Teleport, ClothSleep, Grabs),
-    (Tearable, Flammable, Air, Wind, Gusts, SelfContact),
+    (Tearable, Flammable, Air, Wind, Gusts, SelfContact, Freedom),
     (Particles, Constraints, Contacts, ClothTopology, ClothFrame, ClothHistory),
 );
 

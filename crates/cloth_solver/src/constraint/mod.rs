@@ -11,6 +11,7 @@ mod wear;
 
 pub use hold::grab::Grab;
 pub use hold::pin::{Pin, Pins};
+pub use hold::skin::{Skin, SkinLimit, SkinPoint};
 pub use tension::{Sums, Tensions};
 pub use wear::Wear;
 
@@ -21,6 +22,7 @@ use crate::method::Method;
 use crate::tick::{Effort, Substep, Tick};
 use crate::topology::{Along, Change, Pieces};
 use crate::{ClothError, Fabric, Particles, Soa3, Topology, measure};
+use hold::skin::SkinHold;
 use hold::tether::Tethers;
 use kernel::links::New;
 use kernel::rigid;
@@ -36,6 +38,7 @@ pub struct Constraints {
     pub grabs: Vec<Grab>,
     pins: Pins,
     tethers: Option<Tethers>,
+    skin: Option<Box<SkinHold>>,
     surface: Surface,
     /// Rate of internal friction, 1/s.
     damping: f32,
@@ -127,6 +130,22 @@ impl Constraints {
         &mut self.pins.frames
     }
 
+    /// Lets pinned particles follow points that several frames of [`pins`](Self::pins) take along, and limits how far others get from
+    /// theirs; replaces what there was of both. Set pins first. Solids and other cloth may still push a particle farther.
+    ///
+    /// # Errors
+    /// A limit out of range, or something that names no particle or no frame; then nothing changes.
+    pub fn set_skin(&mut self, particles: &Particles, skin: Option<Skin>) -> Result<(), ClothError> {
+        skin.iter().try_for_each(|skin| skin.validate(particles, self.pins.frames.len()))?;
+        self.skin = skin.map(|skin| Box::new(SkinHold::new(skin)));
+        Ok(())
+    }
+
+    /// The points that particles follow, and how far others may get from theirs.
+    pub fn skin(&self) -> Option<&Skin> {
+        self.skin.as_ref().map(|hold| &hold.skin)
+    }
+
     /// Ties every free particle to its nearest pin, with `slack` strain (0 or more) before a tether acts; `None`
     /// removes all tethers. They are found from the pins as they are now: set pins first. Methods that step forces take no
     /// notice.
@@ -143,6 +162,9 @@ impl Constraints {
     /// on, and are gone with them; tethers whose way along the cloth has become longer are gone.
     pub(crate) fn follow(&mut self, now: &Topology, change: &Change) {
         self.pins.pins.retain(|pin| !change.gone.contains(&pin.particle));
+        if let Some(skin) = &mut self.skin {
+            skin.follow(change);
+        }
         self.grabs.clear();
         let pieces = now.pieces();
         self.pieces = (pieces.triangles.len() > 1).then_some(pieces);
@@ -224,6 +246,9 @@ impl Constraints {
     /// Moves pinned particles to where their frames are at the end of `sub`.
     pub(crate) fn apply_pins(&self, particles: &mut Particles, sub: &Substep) {
         self.pins.apply(particles, sub.end);
+        if let Some(skin) = &self.skin {
+            skin.skin.move_pins(&self.pins.frames, particles, sub.end);
+        }
     }
 
     /// How `tick` is divided for this cloth: in at least as many substeps as leave bending and shear something of their stiffness. Methods
@@ -297,6 +322,9 @@ impl Constraints {
         self.square = sub.square();
         for grab in &self.grabs {
             grab.let_go(particles);
+        }
+        if let Some(skin) = &mut self.skin {
+            skin.limit(&self.pins.frames, particles, sub);
         }
     }
 

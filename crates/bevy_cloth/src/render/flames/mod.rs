@@ -24,6 +24,7 @@ use crate::clock::{ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothTopology};
 use crate::damage::ClothFire;
 use crate::settings::Shared;
+use crate::shown::ShownShape;
 
 /// Most roots of flames that are drawn on one cloth; of more burning particles each stands for several.
 const MOST_ROOTS: f32 = 160.0;
@@ -101,6 +102,7 @@ pub(crate) struct Burning {
     fire: &'static ClothFire,
     topology: &'static ClothTopology,
     drawing: &'static Drawing,
+    shown: &'static ShownShape,
     frame: &'static ClothFrame,
     place: &'static GlobalTransform,
     layers: Option<&'static RenderLayers>,
@@ -211,7 +213,7 @@ impl Sight {
         let (back, there) = (turn.inverse(), turn * *cloth.drawing.relation());
         let eye = camera - cloth.place.translation();
         let stream = (cloth.frame.pose.rotation * cloth.fire.stream()).clamp_length_max(FASTEST);
-        let place = |slot: usize| there.transform_point3(cloth.drawing.shown()[slot]);
+        let place = |slot: usize| there.transform_point3(cloth.shown.positions()[slot]);
         let area = find_roots(cloth.fire, cloth.topology, place, roots);
         let middle = roots.iter().map(|root| root.at).sum::<Vec3>() / roots.len() as f32;
         if roots.is_empty() || !back.is_finite() || !middle.is_finite() {

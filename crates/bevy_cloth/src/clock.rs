@@ -64,6 +64,16 @@ impl ClothClock {
         (0..steps.min(MOST_TICKS)).map(|_| clock.take(timestep, timestep)).sum()
     }
 
+    /// What was taken in and made no tick of yet.
+    pub(crate) fn accumulated(&self) -> Duration {
+        self.accumulated
+    }
+
+    /// Sets what was taken in and made no tick of yet.
+    pub(crate) fn set_accumulated(&mut self, accumulated: Duration) {
+        self.accumulated = accumulated;
+    }
+
     /// Whether the clock stands until someone does something.
     pub(crate) fn stands(&self) -> bool {
         self.paused || self.relative_speed == 0.0

@@ -130,6 +130,7 @@ pub mod picking;
 pub mod pins;
 #[cfg(feature = "render")]
 pub mod render;
+mod save;
 pub mod schedule;
 pub mod settings;
 pub mod sleep;
@@ -171,6 +172,7 @@ pub use picking::{ClothHit, ClothPicking, ClothTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
 pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
+pub use save::{RestoreError, SavedCloths};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use sleep::{ClothAsleep, ClothSleep, WakeCause};

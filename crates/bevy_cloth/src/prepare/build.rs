@@ -177,6 +177,7 @@ impl WantedItem<'_, '_> {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
                         self.authored.stale = false;
+                        self.authored.origin = whole.fingerprint();
                         let mut entity = commands.entity(self.entity);
                         entity.try_insert(state);
                         if renew {

@@ -11,6 +11,7 @@ use bevy_egui::{EguiInput, EguiPreUpdateSet, egui};
 use crate::help::HelpOpen;
 use crate::menu::MenuOpen;
 use crate::record::TakePicture;
+use crate::save::SaveScene;
 use crate::scenes::{MENU, OpenScene};
 use crate::select::SelectNeighbor;
 use crate::throw::ThrowBall;
@@ -22,6 +23,7 @@ enum Action {
     Help,
     Menu,
     Picture,
+    Save,
     Pause,
     Step,
     Reset,
@@ -53,10 +55,11 @@ enum With {
 }
 
 /// Every key: code, what is held down with it, name and meaning. Of those with the same code the first that fits holds.
-const BINDINGS: [(KeyCode, With, &str, &str, Action); 20] = [
+const BINDINGS: [(KeyCode, With, &str, &str, Action); 21] = [
     (KeyCode::KeyH, With::Plain, "H", "show or hide this help", Action::Help),
     (KeyCode::KeyM, With::Plain, "M", "show or hide the scenes; 1 to 9 open one", Action::Menu),
     (KeyCode::F12, With::Plain, "F12", "take a picture of the window", Action::Picture),
+    (KeyCode::F11, With::Plain, "F11", "save the scene as it is now, as a file that `--scene` opens", Action::Save),
     (KeyCode::Space, With::Plain, "Space", "pause or go on", Action::Pause),
     (KeyCode::KeyN, With::Plain, "N", "one step, then pause", Action::Step),
     (
@@ -137,6 +140,7 @@ fn act(
             Action::Help => help.0 = !help.0,
             Action::Menu => menu.0 = !menu.0,
             Action::Picture => commands.trigger(TakePicture),
+            Action::Save => commands.trigger(SaveScene),
             Action::Pause if clock.is_paused() => clock.unpause(),
             Action::Pause => clock.pause(),
             Action::Step => {

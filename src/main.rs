@@ -11,6 +11,7 @@ mod mouse;
 mod processor;
 mod readout;
 mod record;
+mod save;
 mod scenes;
 mod screenshot;
 mod select;

@@ -8,7 +8,8 @@ use bevy::window::WindowResolution;
 use crate::camera::Canvas;
 use crate::tools::ToolsPlugin;
 use crate::{
-    help::HelpPlugin, keys::KeysPlugin, menu::MenuPlugin, mouse::MousePlugin, select::SelectPlugin, throw::ThrowPlugin,
+    help::HelpPlugin, keys::KeysPlugin, menu::MenuPlugin, mouse::MousePlugin, save::SavePlugin, select::SelectPlugin,
+    throw::ThrowPlugin,
 };
 
 /// Opens a window of `size` pixels and lets the user take part.
@@ -27,6 +28,6 @@ impl Plugin for WindowedPlugin {
         app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }))
             .insert_resource(Canvas(RenderTarget::default()))
             .add_plugins((MeshPickingPlugin, TransformGizmoPlugin, MousePlugin, SelectPlugin))
-            .add_plugins((KeysPlugin, HelpPlugin, MenuPlugin, ThrowPlugin, ToolsPlugin));
+            .add_plugins((KeysPlugin, HelpPlugin, MenuPlugin, SavePlugin, ThrowPlugin, ToolsPlugin));
     }
 }

@@ -7,6 +7,7 @@ mod finish;
 mod hardware;
 mod moving;
 mod riders;
+mod save;
 mod setting;
 mod sliding;
 mod spawn;
@@ -25,6 +26,7 @@ use crate::look::View;
 use crate::tools::ReopenScene;
 pub use catalog::{Entry, MENU, MORE, SANDBOX, names, open};
 pub use finish::paint;
+pub use save::Present;
 
 /// Opens scenes, first of all the one that was asked for.
 pub struct ScenesPlugin {

@@ -14,6 +14,7 @@ use super::finish::{Finishes, SOLIDS};
 use super::hardware::Fitted;
 use super::moving::Moving;
 use super::riders::Rider;
+use super::save::Said;
 use super::{OfScene, curtain_rod, dress, setting};
 use crate::select::Selectable;
 use crate::shapes::mesh_of;
@@ -37,7 +38,7 @@ pub fn spawn(
     for (index, cloth) in scene.cloths.iter().enumerate() {
         let (name, look) = (named(&cloth.name, "cloth", index), dress::look(cloth, index));
         let entity = spawn_cloth(&mut commands, &mut meshes, &scene, cloth, (name, next()));
-        commands.entity(entity).insert(look);
+        commands.entity(entity).insert((look, Said(cloth.clone(), index)));
         for weight in &cloth.weights {
             let Some((form, finish)) = &weight.body else { continue };
             if let (Some(mesh), Some(material)) = (mesh_of(&shape(form)), finishes.material(*finish)) {
@@ -55,10 +56,12 @@ pub fn spawn(
             let finish = collider.finish.unwrap_or(Finish::Paint(SOLIDS[index % SOLIDS.len()]));
             let material = finishes.material(finish).unwrap_or_default();
             let at = place.translation;
-            commands.spawn((name, ball(Ball::new(0, at, Vec3::ZERO).of_mass(mass), at, *radius, material)));
+            let said = Said(collider.clone(), index);
+            commands.spawn((name, said, ball(Ball::new(0, at, Vec3::ZERO).of_mass(mass), at, *radius, material)));
             continue;
         }
-        let mut entity = commands.spawn((OfScene, name, shape(&collider.shape), place, Visibility::default()));
+        let (said, shape) = (Said(collider.clone(), index), shape(&collider.shape));
+        let mut entity = commands.spawn((OfScene, name, said, shape, place, Visibility::default()));
         if collider.shape != SceneShape::Ground {
             let finish = collider.finish.unwrap_or(Finish::Paint(SOLIDS[index % SOLIDS.len()]));
             entity.insert(next());
@@ -79,11 +82,16 @@ pub fn spawn(
             commands.spawn((OfScene, Mesh3d(meshes.add(mesh)), material, place, Pickable::IGNORE));
         }
     }
-    for (index, SceneFan { name, fan, place }) in scene.fans.iter().enumerate() {
-        commands.spawn((OfScene, named(name, "fan", index), next(), *fan, transform(&place.pose())));
+    for (index, said) in scene.fans.iter().enumerate() {
+        let SceneFan { name, fan, place } = said;
+        let (name, said, place) = (named(name, "fan", index), Said(said.clone(), index), transform(&place.pose()));
+        commands.spawn((OfScene, name, next(), said, *fan, place));
     }
-    for (index, SceneZone { name, zone, place }) in scene.zones.iter().enumerate() {
-        commands.spawn((OfScene, named(name, "wind zone", index), next(), *zone, transform(&place.pose())));
+    for (index, said) in scene.zones.iter().enumerate() {
+        let SceneZone { name, zone, place } = said;
+        let (name, said, place) =
+            (named(name, "wind zone", index), Said(said.clone(), index), transform(&place.pose()));
+        commands.spawn((OfScene, name, next(), said, *zone, place));
     }
     // A scene that says nothing of the ground is shown over some, well below what happens in it.
     let ground = scene.colliders.iter().find(|collider| collider.shape == SceneShape::Ground);

@@ -30,10 +30,12 @@ impl Wind {
 /// The air around one cloth that has [`Air`].
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Surroundings {
     /// The wind, where the cloth has one of its own.
     own: GustyWind,
     has_own: bool,
+    #[cfg_attr(feature = "serialize", serde(skip))]
     field: WindField,
 }
 
@@ -68,6 +70,7 @@ impl Surroundings {
 
 /// The wind that all cloths without one of their own share, as it goes by.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SharedWind(GustyWind);
 
 /// Gives every running cloth that has [`Air`] a place to keep it.

@@ -69,6 +69,11 @@ impl ClothClock {
         self.accumulated
     }
 
+    /// Sets what was taken in and made no tick of yet.
+    pub(crate) fn set_accumulated(&mut self, accumulated: Duration) {
+        self.accumulated = accumulated;
+    }
+
     /// Whether the clock stands until someone does something.
     pub(crate) fn stands(&self) -> bool {
         self.paused || self.relative_speed == 0.0

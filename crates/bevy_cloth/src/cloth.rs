@@ -111,6 +111,7 @@ pub struct ClothTopology(pub(crate) Arc<Topology>);
 ///
 /// Particles are held in this frame, so that a cloth ten kilometres from the origin is as exact as one at it.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothFrame {
     /// Rotation and translation of the entity at the last tick. While an entity that is moved once a frame is on its way over
     /// the ticks of the frame, how far it has come.
@@ -148,6 +149,7 @@ impl ClothFrame {
 ///
 /// The shape drawn lies between it and the present one, and it is what a cloth with a non-finite number returns to.
 #[derive(Component, Clone, Debug)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothHistory {
     /// Position of each slot at the start of the last tick, m.
     pub position: Soa3,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityMapper, MapEntities};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::contact::{Contacts, Touch};
@@ -47,6 +47,7 @@ pub struct ContactEvents;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothForce {
     /// Force, in world axes, N.
     pub force: Vec3,
@@ -62,10 +63,13 @@ const RELEASE: Duration = Duration::from_millis(100);
 /// The colliders that want to know and that a cloth touches, or has just left.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Touching(Vec<Pair>);
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Pair {
+    #[cfg_attr(feature = "serialize", serde(with = "crate::save::entity"))]
     collider: Entity,
     /// In the last tick.
     now: ClothForce,
@@ -158,6 +162,12 @@ impl ToucherItem<'_, '_> {
         if is_new && !new.0.is_empty() {
             commands.entity(self.entity).try_insert(new);
         }
+    }
+}
+
+impl MapEntities for Touching {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.0.iter_mut().for_each(|pair| pair.collider = mapper.get_mapped(pair.collider));
     }
 }
 

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
@@ -17,12 +18,17 @@ use crate::sleep::{ClothAsleep, WakeCause, wake_up};
 use crate::step::ClothTick;
 
 /// The groups of this tick.
-#[derive(Resource, Default)]
+#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Groups(Vec<Group>);
 
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Group {
     /// In the order of their entities.
+    #[cfg_attr(feature = "serialize", serde(with = "crate::save::entity::list"))]
     members: Vec<Entity>,
+    #[cfg_attr(feature = "serialize", serde(skip))]
     topologies: Vec<Arc<Topology>>,
     /// Its frame in the world: that of its first cloth when it was made.
     frame: Pose,
@@ -161,11 +167,30 @@ pub(crate) fn form(
 }
 
 impl Groups {
+    /// The same with the topologies that their cloths have now.
+    pub fn linked(mut self, world: &World) -> Self {
+        for group in &mut self.0 {
+            let topology = |member: &Entity| Some(world.get::<ClothTopology>(*member)?.0.clone());
+            group.topologies = group.members.iter().filter_map(topology).collect();
+        }
+        self.0.retain(|group| group.topologies.len() == group.members.len());
+        self
+    }
+
     /// The contact of group number `group`, and which of its cloths `entity` is.
     pub fn contacts_of(&self, group: usize, entity: Entity) -> Option<(&GroupContacts, usize)> {
         let group = self.0.get(group)?;
         let index = group.members.iter().position(|member| *member == entity)?;
         Some((&group.contacts, index))
+    }
+}
+
+impl MapEntities for Groups {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        let members = self.0.iter_mut().flat_map(|group| &mut group.members);
+        members.for_each(|member| *member = mapper.get_mapped(*member));
+        // Where their order is another one, contact has to number them anew.
+        self.0.retain(|group| group.members.is_sorted());
     }
 }
 

@@ -14,6 +14,7 @@
 //! - [Time](#time): [`ClothClock`], [`ClothTime`]
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
+//! - [Saving and rollback](#saving-and-rollback): [`SavedCloths`], [`RestoreError`]
 //! - [Drawing](#drawing): `ClothLook`, `ClothSubdivision`, `ClothColoring`, `ClothFlames`
 //! - [Picking](#picking): `ClothPicking`, [`Grabs`]
 //! - [Features](#features)
@@ -105,6 +106,10 @@
 //! puts that one cloth back to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a
 //! line in the log. Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
 //!
+//! # Saving and rollback
+//! [`SavedCloths`] holds the state of all running cloths and puts it back, in the same world or in another one; what follows is the
+//! same to the last bit. What is authored is saved by whoever authored it: all of it reflects.
+//!
 //! # Drawing
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
@@ -123,6 +128,7 @@
 //! # Features
 //! - `render` (default): drawing. Without it the crate needs no renderer.
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
+//! - `serialize`: [`SavedCloths`] as bytes, and `Serialize` and `Deserialize` for it, [`Pins`], [`ParticlePins`] and [`Weights`].
 
 pub mod air;
 pub mod bones;
@@ -141,6 +147,7 @@ pub mod picking;
 pub mod pins;
 #[cfg(feature = "render")]
 pub mod render;
+mod save;
 pub mod schedule;
 pub mod settings;
 pub mod sleep;
@@ -185,6 +192,7 @@ pub use picking::{ClothHit, ClothPicking, ClothTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
 pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
+pub use save::{RestoreError, SavedCloths};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};
 pub use shown::ShownShape;

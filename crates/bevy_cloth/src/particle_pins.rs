@@ -25,6 +25,7 @@ use crate::prepare::{Anchors, Placements};
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq, MapEntities)]
 #[component(map_entities)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ParticlePins {
     /// The particles held. A particle that is held here is not held by [`Pins`](crate::Pins), and belongs to the first pin
     /// that names it. A particle that burns away is held no more.
@@ -36,6 +37,7 @@ pub struct ParticlePins {
 /// One particle and where it is held.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ParticlePin {
     /// The particle: an index into [`Particles`], as `ClothHit::particle` names it.
     pub particle: u32,

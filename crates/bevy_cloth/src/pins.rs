@@ -19,11 +19,13 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq, MapEntities)]
 #[component(map_entities)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pins(pub Vec<PinGroup>);
 
 /// Some particles of a cloth and what they follow.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct PinGroup {
     /// Which particles.
     pub select: PinSelect,
@@ -34,6 +36,7 @@ pub struct PinGroup {
 /// Which particles of a cloth a [`PinGroup`] holds.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PinSelect {
     /// The particles of the top edge nearest to this many points spread evenly over the width, both ends included.
     /// One rod holds the middle, none holds nothing. The top edge of a flat, evenly divided
@@ -72,6 +75,7 @@ impl Default for PinSelect {
 /// What the particles of a [`PinGroup`] follow.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PinTarget {
     /// The cloth's own [`Transform`]: each particle is held at its rest position in the cloth's frame. On a skinned mesh: the joints,
     /// each particle is held where they take it.
@@ -82,7 +86,7 @@ pub enum PinTarget {
     /// Another entity: each particle keeps the place it had in that entity's frame (without its scale) when the pin
     /// was made. If the entity goes, the pin stays where it was last. If it jumps the cloth goes along, see
     /// [`Teleport`](crate::Teleport).
-    Entity(Entity),
+    Entity(#[cfg_attr(feature = "serialize", serde(with = "crate::save::entity"))] Entity),
 }
 
 impl Pins {

@@ -16,7 +16,7 @@ use crate::{Air, Fabric};
 /// A copy of a running cloth that steps itself, apart from the world: to try something on another thread.
 ///
 /// It holds the cloth as it is now, with its pins, hands, solids and wind. They do not move on, and other cloths are not there. Fire is
-/// left out.
+/// left out. To go back to an earlier state, or for a saved game, take [`SavedCloths`](crate::SavedCloths).
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -20,11 +20,13 @@ use crate::prepare::{Skin, select};
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weights(pub Vec<Weight>);
 
 /// Something heavy on some particles of a cloth.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weight {
     /// Which particles carry it. If it chooses none, it weighs nothing.
     pub select: PinSelect,
@@ -54,6 +56,7 @@ impl Weights {
 /// What hangs on each particle of a running cloth: slot and kg.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Loads(Vec<(u32, f32)>);
 
 impl Loads {

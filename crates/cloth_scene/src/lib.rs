@@ -13,6 +13,7 @@ mod scene;
 mod shape;
 mod view;
 mod world;
+mod write;
 
 pub use air::{SceneFan, SceneZone};
 pub use error::SceneError;

@@ -239,6 +239,15 @@ pub struct ScenePlace {
 }
 
 impl ScenePlace {
+    /// Where `pose` is, to a tenth of a millimetre and a thousandth of a degree.
+    pub fn of(pose: &Pose) -> Self {
+        let (z, y, x) = pose.rotation.to_euler(EulerRot::ZYX);
+        let round = |number: f32, parts: f32| (number * parts).round() / parts;
+        // Not −0.
+        let rounded = |numbers: [f32; 3], parts| Vec3::from(numbers.map(|number| round(number, parts) + 0.0));
+        Self { at: rounded(pose.position.to_array(), 1e4), turn: rounded([x, y, z].map(f32::to_degrees), 1e3) }
+    }
+
     /// The same as a pose.
     pub fn pose(&self) -> Pose {
         let turn = self.turn * (core::f32::consts::PI / 180.0);

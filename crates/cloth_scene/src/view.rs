@@ -72,8 +72,11 @@ pub struct SceneCamera {
     pub field: f32,
 }
 
+/// Vertical field of view unless told otherwise, degrees.
+pub(crate) const FIELD: f32 = 45.0;
+
 fn field() -> f32 {
-    45.0
+    FIELD
 }
 
 /// What is around a scene. It is only seen: cloth meets the colliders, and nothing else.

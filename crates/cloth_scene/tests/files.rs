@@ -40,6 +40,47 @@ fn a_scene_written_out_reads_back_the_same() {
     assert_eq!(self::scene(&written), scene);
 }
 
+/// All scene files of the game: name and text.
+fn all_files() -> Vec<(String, String)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/scenes");
+    let files = std::fs::read_dir(folder).expect("the folder is there").map(|file| file.expect("readable").path());
+    let mut files: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|end| end == "ron")).collect();
+    files.sort();
+    files.iter().map(|path| (path.display().to_string(), std::fs::read_to_string(path).expect("readable"))).collect()
+}
+
+#[test]
+fn every_scene_of_the_game_is_written_as_it_was_read_and_no_longer() {
+    let files = all_files();
+    assert!(files.len() > 10);
+    for (name, text) in files {
+        let scene = scene(&text);
+        let written = scene.to_ron();
+        assert_eq!(self::scene(&written), scene, "{name}:\n{written}");
+        let size = |text: &str| text.chars().filter(|c| !c.is_whitespace()).count();
+        let comments: usize =
+            text.lines().filter_map(|line| line.split_once("//")).map(|(_, words)| size(words) + 2).sum();
+        // What people write is as short as it gets, but for decimals and a comma here and there.
+        let most = (size(&text) - comments) as f32 * 1.1;
+        assert!(size(&written) as f32 <= most, "{name}: {} characters of {most}\n{written}", size(&written));
+        assert!(written.lines().all(|line| line.len() <= 200), "{name}: {written}");
+    }
+}
+
+#[test]
+fn what_is_as_by_default_is_not_written() {
+    assert_eq!(Scene::default().to_ron().split_whitespace().collect::<String>(), "()");
+    let text = r#"(cloths: [(air: ())]"#;
+    assert!(Scene::from_ron(text).is_err());
+    let text =
+        r#"(title: "a \"b\"", air: (), cloths: [(fire: (), fabric: Custom((shear: 7)), method: Pbd)], fans: [()])"#;
+    let written = scene(text).to_ron();
+    assert_eq!(scene(&written), scene(text));
+    let flat: String = written.split_whitespace().collect();
+    let expected = r#"(title:"a\"b\"",air:(),fans:[()],cloths:[(fabric:Custom((shear:7)),fire:(),method:Pbd)],)"#;
+    assert_eq!(flat, expected);
+}
+
 #[test]
 fn a_preset_is_found_by_its_name_in_any_case() {
     for (name, fabric) in Fabric::PRESETS {

@@ -11,9 +11,11 @@ use fearless_simd::{f32x4, f32x8};
 pub(crate) type Group<const N: usize> = [[u32; LANES]; N];
 
 /// Constraints on `N` particles each, coloured and grouped.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct Batches<const N: usize> {
     /// The groups, colour by colour.
+    #[cfg_attr(feature = "save", serde(with = "crate::save::groups"))]
     pub groups: Vec<Group<N>>,
     /// For each lane of each group the constraint it solves; `None` for a lane that is left over.
     pub source: Vec<[Option<u32>; LANES]>,

@@ -11,6 +11,7 @@ pub mod contact;
 pub mod damage;
 pub mod error;
 pub mod fabric;
+pub mod fingerprint;
 pub mod forces;
 pub mod group;
 pub mod measure;
@@ -19,6 +20,8 @@ pub mod particles;
 pub mod pick;
 pub mod pose;
 pub mod rest;
+#[cfg(feature = "save")]
+mod save;
 pub mod tick;
 pub mod topology;
 

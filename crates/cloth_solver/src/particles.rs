@@ -17,6 +17,7 @@ use crate::forces::Airflow;
 use crate::topology::Change;
 
 /// Three coordinates, each in its own array.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Soa3 {
     /// First coordinates.
@@ -132,6 +133,7 @@ fn shared_mass(mass: &[f32], before: &Topology, now: &Topology, change: &Change)
 
 /// The state of motion of one cloth, in the cloth's own frame.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
     /// Where each particle is, m; within a substep where it was at its start.

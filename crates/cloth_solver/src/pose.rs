@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 /// A rigid placement: `world = position + rotation * local`. Metres; the rotation has unit length.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Origin of the frame, m.
@@ -54,6 +55,7 @@ impl Default for Pose {
 }
 
 /// A pose at the start and at the end of one tick; between them it is interpolated.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Pose at the start of the tick.

@@ -15,6 +15,7 @@ pub struct RestLimits {
 ///
 /// Slow alone is not enough: a sheet that begins to topple is slow as well, but gains energy, and one that drifts keeps it.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rest {
     /// For how long all particles have been slow, s.

@@ -103,6 +103,7 @@ pub struct Effort {
 }
 
 /// Divides the ticks of one cloth into substeps: as many as its load and its motion ask for.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     /// Substeps to a tick that are asked for.

@@ -25,6 +25,7 @@ pub struct CutCloth {
 
 /// The strokes that are going on in a cloth, each with the number of the stroke and the camera it is seen by.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Strokes(Vec<([u64; 2], Stroke)>);
 
 impl Strokes {

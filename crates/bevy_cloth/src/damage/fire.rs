@@ -19,6 +19,7 @@ use crate::step::ClothTick;
 /// The fire of a running cloth that is [`Flammable`]. Read-only: temperature, fuel and char of each particle.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothFire {
     #[deref]
     fire: Fire,

@@ -16,6 +16,7 @@ use crate::step::ClothTick;
 /// The pieces a cloth consists of, once it was torn, cut or burnt. Read-only; all of them stay simulated.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothPieces {
     /// The pieces, by their first particles.
     pub pieces: Vec<ClothPiece>,
@@ -25,6 +26,7 @@ pub struct ClothPieces {
 
 /// One piece of a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothPiece {
     /// Its first particle.
     pub particle: u32,

@@ -71,6 +71,7 @@ impl Tearable {
 /// What is known of the loads of a tearable cloth.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TearState(pub Tear);
 
 impl TearState {

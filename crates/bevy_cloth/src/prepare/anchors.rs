@@ -2,6 +2,7 @@
 
 mod make;
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 use cloth_solver::constraint::{Pin, Pins as SolverPins, Skin as SolverSkin};
 use cloth_solver::{ClothError, Motion, Pose, Topology};
@@ -26,6 +27,7 @@ const ROUNDING: f32 = 1e-3;
 
 /// What one frame of the solver's pins follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 enum Anchor {
     /// The cloth's own frame.
     Cloth,
@@ -33,6 +35,7 @@ enum Anchor {
     /// that pins far from the origin are as exact as those at it.
     World(Pose),
     Entity {
+        #[cfg_attr(feature = "serialize", serde(with = "crate::save::entity"))]
         entity: Entity,
         follow: Follow,
         /// The cloth's frame as seen from it when the pins were made.
@@ -43,6 +46,7 @@ enum Anchor {
 /// What the frames of a cloth's pins follow, in the order of [`SolverPins::frames`].
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Anchors {
     all: Vec<Anchor>,
     /// How many of them are those of [`Pins`](crate::Pins); the others are those of [`ParticlePins`].
@@ -156,6 +160,16 @@ impl Anchor {
             Self::Entity { follow, .. } => {
                 let from = relative(&frame.pose, &follow.pose);
                 Motion { from, to: relative(&frame.pose, &follow.advance()) }
+            }
+        }
+    }
+}
+
+impl MapEntities for Anchors {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        for anchor in &mut self.all {
+            if let Anchor::Entity { entity, .. } = anchor {
+                *entity = mapper.get_mapped(*entity);
             }
         }
     }

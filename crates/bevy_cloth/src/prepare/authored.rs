@@ -53,6 +53,8 @@ pub(crate) struct Authored {
     self_contact: Option<SelfContact>,
     /// The runtime state does not show the shape seen here.
     pub stale: bool,
+    /// Fingerprint of the topology that it was built to.
+    pub origin: u64,
     /// What the shape still waits for.
     pub waits_for: Option<WaitsFor>,
     /// Grabs that came before there was a topology to check them against.
@@ -85,6 +87,12 @@ impl Authored {
     /// The shape is to be built anew, as if it had never been seen.
     pub fn forget_shape(&mut self) {
         self.source = None;
+    }
+
+    /// The runtime state shows these pins on single particles already.
+    pub fn know_particle_pins(&mut self, pins: Option<ParticlePins>) {
+        self.particle_pins = pins;
+        self.faults.particle_pins = None;
     }
 }
 

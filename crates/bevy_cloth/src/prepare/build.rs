@@ -200,6 +200,7 @@ impl WantedItem<'_, '_> {
                     Err(error) => self.authored.faults.fabric = Some(error),
                     Ok(state) => {
                         self.authored.stale = false;
+                        self.authored.origin = whole.fingerprint();
                         let mut entity = commands.entity(self.entity);
                         entity.try_insert(state);
                         match armature.zip(binding) {

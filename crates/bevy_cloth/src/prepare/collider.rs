@@ -41,7 +41,7 @@ pub(crate) struct ColliderState {
     /// Its transform was not finite when last looked at.
     lost: bool,
     /// It is another one than in the last tick.
-    changed: bool,
+    pub changed: bool,
 }
 
 /// The mesh of an entity, past the one that a cloth draws there.
@@ -136,17 +136,17 @@ impl ColliderState {
 /// One collider in this tick, in the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
-    entity: Entity,
-    shape: Shape,
-    from: Pose,
-    to: Pose,
-    friction: Option<f32>,
-    changed: bool,
+    pub entity: Entity,
+    pub shape: Shape,
+    pub from: Pose,
+    pub to: Pose,
+    pub friction: Option<f32>,
+    pub changed: bool,
 }
 
 /// All colliders in this tick, in the world, in the order of their entities.
 #[derive(Resource, Clone, Debug, Default)]
-pub(crate) struct Colliders(Vec<Placed>);
+pub(crate) struct Colliders(pub Vec<Placed>);
 
 impl Colliders {
     /// Their entities.

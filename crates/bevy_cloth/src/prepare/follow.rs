@@ -22,6 +22,7 @@ const CATCH_UP: f32 = 32.0;
 /// them. The first would stand still in all ticks but one, were it not spread over them; the second must not lag behind.
 /// Which it is shows in whether the target changed since [`Follow::look`] or since the last tick of the same frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Follow {
     /// Where it stood at the end of the last tick.
     pub pose: Pose,

@@ -26,10 +26,12 @@ use crate::weights::Loads;
 /// What one cloth does in this tick.
 #[derive(Component, Clone, Debug, Default)]
 #[component(clone_behavior = Ignore)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StepPlan {
     /// How many substeps it took, those that were repeated included; 0 if it stands in this tick.
     pub substeps: u32,
     /// The substep at hand; `None` for a cloth that has come to the end of the tick, or that has to repeat its substep.
+    #[cfg_attr(feature = "serialize", serde(skip))]
     pub substep: Option<Substep>,
     /// The number of the group of cloths that it steps together with, if it does.
     pub group: Option<usize>,
@@ -37,12 +39,14 @@ pub(crate) struct StepPlan {
     pub at_least: f32,
     /// It has come to rest, and may fall asleep if its group has.
     pub at_rest: bool,
+    #[cfg_attr(feature = "serialize", serde(skip))]
     tick: Option<Tick>,
     pace: Pace,
     /// What it was before the substep at hand was accepted.
     before: Pace,
     /// The substep at hand was too long.
     refused: bool,
+    #[cfg_attr(feature = "serialize", serde(skip))]
     budget: Substeps,
     /// Where each hand pulled to at the end of the last tick, in the world, and where it is on its way to.
     hands: Vec<(u32, Follow)>,

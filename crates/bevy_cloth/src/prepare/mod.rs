@@ -5,6 +5,7 @@ mod armature;
 mod authored;
 mod build;
 mod collider;
+mod collider_save;
 mod collider_shape;
 mod follow;
 mod frame;
@@ -30,6 +31,7 @@ pub(crate) use anchors::Anchors;
 pub(crate) use armature::{Armature, TakenSkin};
 pub(crate) use authored::{Authored, differs_in_scale};
 pub(crate) use collider::{ColliderState, Colliders};
+pub(crate) use collider_save::SavedCollider;
 pub(crate) use follow::Follow;
 pub(crate) use frame::{MovedInPause, StepPlan};
 pub(crate) use placement::{Placement, Placements};
@@ -58,10 +60,28 @@ fn run_build(world: &mut World) {
     world.run_schedule(BuildSchedule);
 }
 
+/// Takes over what was authored until now, as at the beginning of a tick.
+pub(crate) fn take_over(world: &mut World) {
+    // Without the plugin there is nothing to take over.
+    let _ = world.try_run_schedule(BuildSchedule);
+    world.flush();
+}
+
 /// What drawing and pinning need of the mesh a running cloth was made from.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ClothSkin(pub std::sync::Arc<Skin>);
+
+impl ClothSkin {
+    /// The same, with what drawing needs: saved by an app that draws nothing, it lacks that. Tears then count as hems.
+    #[cfg(feature = "render")]
+    pub fn with_hem(mut self, topology: &cloth_solver::Topology) -> Self {
+        if self.0.hem.len() != topology.slots() {
+            std::sync::Arc::make_mut(&mut self.0).hem = crate::render::hem(topology);
+        }
+        self
+    }
+}
 
 /// The mesh a cloth draws, and the one its entity had before. A clone of the entity needs it to tell them apart.
 #[derive(Component, Clone, Debug)]

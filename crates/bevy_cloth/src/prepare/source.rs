@@ -11,6 +11,7 @@ use crate::freedom::ATTRIBUTE_FREEDOM;
 
 /// What drawing and pinning need of the mesh beside its topology: one entry for each render vertex, unless said otherwise.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Skin {
     /// Texture coordinates, or empty.
     pub uvs: Vec<Vec2>,
@@ -20,8 +21,7 @@ pub(crate) struct Skin {
     pub strength: Vec<f32>,
     /// How free each is, or empty.
     pub freedom: Vec<f32>,
-    /// For each slot whether it lies on the border that the whole cloth had.
-    #[cfg(feature = "render")]
+    /// For each slot whether it lies on the border that the whole cloth had, or empty where nothing is drawn.
     pub hem: Vec<bool>,
 }
 

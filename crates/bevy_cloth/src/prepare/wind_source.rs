@@ -1,5 +1,6 @@
 //! Fans and wind zones: what was accepted of them, and where each stands in this tick.
 
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 use cloth_solver::forces::{Fan, WindZone};
 use cloth_solver::{ClothError, Pose};
@@ -48,11 +49,22 @@ impl<T: WindSource> Default for SourceState<T> {
     }
 }
 
+/// One that blows, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Placed<T> {
+    #[cfg_attr(feature = "serialize", serde(with = "crate::save::entity"))]
+    pub entity: Entity,
+    pub source: T,
+    pub pose: Pose,
+}
+
 /// All that blow in this tick, in the world, in the order of their entities.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WindSources {
-    pub fans: Vec<(Entity, Fan, Pose)>,
-    pub zones: Vec<(Entity, WindZone, Pose)>,
+    pub fans: Vec<Placed<Fan>>,
+    pub zones: Vec<Placed<WindZone>>,
     /// Whether any of it is other than it was a tick ago.
     pub changed: bool,
 }
@@ -60,12 +72,21 @@ pub(crate) struct WindSources {
 impl WindSources {
     /// The fans, as a cloth in `frame` sees them.
     pub fn fans_seen_from(&self, frame: &ClothFrame) -> impl Iterator<Item = (Fan, Pose)> {
-        self.fans.iter().map(|(_, fan, pose)| (*fan, relative(&frame.pose, pose)))
+        self.fans.iter().map(|fan| (fan.source, relative(&frame.pose, &fan.pose)))
     }
 
     /// The zones, as a cloth in `frame` sees them.
     pub fn zones_seen_from(&self, frame: &ClothFrame) -> impl Iterator<Item = (WindZone, Pose)> {
-        self.zones.iter().map(|(_, zone, pose)| (*zone, relative(&frame.pose, pose)))
+        self.zones.iter().map(|zone| (zone.source, relative(&frame.pose, &zone.pose)))
+    }
+}
+
+impl MapEntities for WindSources {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.fans.iter_mut().for_each(|fan| fan.entity = mapper.get_mapped(fan.entity));
+        self.fans.sort_unstable_by_key(|fan| fan.entity);
+        self.zones.iter_mut().for_each(|zone| zone.entity = mapper.get_mapped(zone.entity));
+        self.zones.sort_unstable_by_key(|zone| zone.entity);
     }
 }
 
@@ -112,8 +133,8 @@ pub(crate) fn place(
     let WindSources { fans: placed_fans, zones: placed_zones, changed } = &mut *sources;
     gather(fans.iter_mut(), &placements, placed_fans);
     gather(zones.iter_mut(), &placements, placed_zones);
-    for (_, fan, pose) in &mut *placed_fans {
-        *pose = fan.turned(*pose, clock.elapsed_secs_f64());
+    for fan in &mut *placed_fans {
+        fan.pose = fan.source.turned(fan.pose, clock.elapsed_secs_f64());
     }
     *changed = *placed_fans != before.fans || *placed_zones != before.zones;
 }
@@ -121,18 +142,18 @@ pub(crate) fn place(
 fn gather<'a, T: WindSource>(
     sources: impl Iterator<Item = (Entity, Mut<'a, SourceState<T>>)>,
     placements: &Placements,
-    placed: &mut Vec<(Entity, T, Pose)>,
+    placed: &mut Vec<Placed<T>>,
 ) {
     placed.clear();
     for (entity, mut state) in sources {
         let now = placements.get(entity).filter(Placement::is_finite).map(|placement| placement.pose);
         state.pose = now.or(state.pose);
         if let (Some(source), Some(pose), true) = (state.seen, state.pose, state.accepted) {
-            placed.push((entity, source, pose));
+            placed.push(Placed { entity, source, pose });
         }
     }
     // The order in a query depends on what else was spawned, and the sum of velocities on it down to the last bit.
-    placed.sort_unstable_by_key(|(entity, ..)| *entity);
+    placed.sort_unstable_by_key(|source| source.entity);
 }
 
 /// Forgets where a source was, so that one made later from the same entity starts anew.

@@ -6,9 +6,12 @@ mod wake;
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
-use cloth_solver::ClothError;
+use cloth_solver::cloth::Constraints;
+use cloth_solver::{ClothError, Particles, measure};
 
+use crate::cloth::ClothTopology;
 use crate::events::{ClothFellAsleep, ClothWoke};
+use crate::prepare::Anchors;
 use crate::schedule::{ClothSchedule, ClothSystems};
 use crate::settings::Shared;
 use crate::step;
@@ -49,6 +52,16 @@ pub struct ClothSleep {
 }
 
 impl ClothAsleep {
+    /// Of a cloth that is to sleep as it is now.
+    pub(crate) fn of(cloth: &EntityWorldMut) -> Option<Self> {
+        let (topology, particles) = (cloth.get::<ClothTopology>()?, cloth.get_ref::<Particles>()?);
+        Some(Self {
+            bounds: measure::bounds(topology, &particles.position),
+            has_anchors: cloth.get::<Anchors>()?.follow_entities(),
+            written: [particles.last_changed(), cloth.get_ref::<Constraints>()?.last_changed()],
+        })
+    }
+
     /// The corners of the box around its particles, cloth frame, m.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds

@@ -32,6 +32,7 @@ use surface::{Surface, force, nudge};
 
 /// The constraints of one cloth and the working memory to solve them.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Constraints {
     /// Hands on the cloth. Set them anew each tick or leave them.

@@ -3,6 +3,7 @@
 use crate::topology::Along;
 
 /// Tension along one direction at each slot: the sum over the links there, and the sum of their weights; the mean is in N/m.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Sums {
     /// Sum of the tensions.
@@ -12,6 +13,7 @@ pub struct Sums {
 }
 
 /// Tension along weft and warp at each slot.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Tensions {
     weft: Sums,

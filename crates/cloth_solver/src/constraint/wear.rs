@@ -54,6 +54,7 @@ impl Condition for Wear<'_> {
 }
 
 /// The wear of a cloth, kept for methods that step forces and for constraints that are rebuilt.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
     stiffness: Vec<f32>,
@@ -110,6 +111,7 @@ impl Wear<'_> {
 }
 
 /// The factors of all links of a grid: blocks of eight runs, eight lanes per link.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct WornGrid {
     weft: [Vec<f32>; 2],

@@ -6,15 +6,17 @@
 
 use glam::Vec3;
 
+use super::known_shape::KnownShape;
 use super::near::travel;
 use super::{DEPENETRATION_SPEED, Shape};
 use crate::{Particles, Pose, Topology};
 
 /// A collider between two substeps.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrival {
-    /// Its shape; `None` if it is new.
-    shape: Option<Shape>,
+    /// Its shape; unknown if it is new.
+    shape: KnownShape,
     /// Where it belonged at the end of the last substep.
     pose: Pose,
     /// How deep in it the deepest particle was in the last substep, m.
@@ -49,9 +51,9 @@ impl Arrival {
     /// Begins a substep of `h` s, at the end of which the collider belongs at `pose`, and at its start at `from`. Tells whether it
     /// came there without moving.
     pub fn begin(&mut self, shape: &Shape, [from, pose]: [Pose; 2], edge: f32) -> bool {
-        let is_known = self.shape.as_ref().is_some_and(|known| known.is_same(shape));
+        let is_known = self.shape.meet(shape);
         if !is_known {
-            *self = Self { shape: Some(shape.clone()), ..Self::default() };
+            *self = Self { shape: std::mem::take(&mut self.shape), ..Self::default() };
         }
         let last = std::mem::replace(&mut self.pose, pose);
         !is_known || travel(shape, last, from) > JUMP * edge

@@ -13,6 +13,7 @@ mod approach;
 mod cloth;
 mod contact_points;
 mod features;
+mod known_shape;
 mod near;
 mod near_mesh;
 mod nearest;
@@ -25,6 +26,7 @@ mod touch;
 pub(crate) use cloth::{Bounds, Hierarchy};
 pub use cloth::{GroupContacts, SelfContact, SelfContacts, collide_self};
 pub use contact_points::ContactPoint;
+pub use known_shape::KnownShape;
 pub(crate) use shape::segment;
 pub use shape::{ConvexHull, Curved, Form, Shape, TriangleMesh};
 pub use touch::Touch;
@@ -55,6 +57,7 @@ pub struct Collider {
 
 /// What contact needs to know of a cloth, and what it found.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
     /// Distance kept between a particle and a collider's surface, m; see [`Contacts::offset_for`].
@@ -62,6 +65,7 @@ pub struct Contacts {
     /// Mean edge length of the cloth, m: see [`Contacts::least_substeps`]. 0 if not known.
     pub edge: f32,
     /// The colliders of this tick, in the cloth's frame.
+    #[cfg_attr(feature = "save", serde(skip))]
     pub colliders: Vec<Collider>,
     /// What each of them met in the last tick.
     pub touches: Vec<Touch>,
@@ -88,6 +92,7 @@ pub struct Contacts {
 pub const DEPENETRATION_SPEED: f32 = 2.5;
 
 /// How cloth leaves a solid that it was put into, or that was put over it.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 struct Leaving {
     /// Kinetic energy at the end of the last substep, J.

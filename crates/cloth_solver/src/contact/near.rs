@@ -7,21 +7,25 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
+use super::known_shape::KnownShape;
 use super::nearest::{of_segments, on_triangle};
 use super::{Shape, bounds};
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat};
 use crate::{Particles, Pose, Soa3, Topology};
 
 /// A triangle or edge, and the corners or edges of the collider that it may touch.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Item<const N: usize> {
     /// Numbers of its particles in [`Part::slots`].
+    #[cfg_attr(feature = "save", serde(with = "crate::save::array"))]
     pub corners: [u32; N],
     /// First and last but one of its numbers in [`Part::features`].
     pub near: [u32; 2],
 }
 
 /// The part of a cloth that is near one collider.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Slots of the particles: first those of the items, then the others.
@@ -53,12 +57,13 @@ pub(super) struct Part {
     /// How far the collider may move from there, m.
     room: f32,
     /// Its shape.
-    shape: Option<Shape>,
+    shape: KnownShape,
     /// No point of the cloth was nearer than this, m, when the particles were at their anchors and the collider there.
     clear: Option<(Pose, f32)>,
 }
 
 /// The parts of a cloth that are near its colliders.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     /// Where the particles were when the lists were made, m.
@@ -199,8 +204,8 @@ impl Near {
         [margin, edge]: [f32; 2],
     ) -> bool {
         let part = &mut self.parts[which];
-        if !part.shape.as_ref().is_some_and(|known| known.is_same(shape)) {
-            (part.shape, part.made, part.clear) = (Some(shape.clone()), None, None);
+        if !part.shape.meet(shape) {
+            (part.made, part.clear) = (None, None);
         }
         let Some((made, gap)) = part.clear else { return false };
         let moved = poses.map(|pose| travel(shape, made, pose));

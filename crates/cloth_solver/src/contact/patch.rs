@@ -31,6 +31,7 @@ const MOST_STAGES: f32 = 500.0;
 const MOST_PASSES: u32 = 4;
 
 /// Working memory: particles in the frame of a collider, in the order of [`Part::slots`], and padding.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Patch {
     /// Where each was when the stage began, m.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 /// What one collider met in one tick, in the cloth's frame.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
     /// Most contacts of particles, triangles and edges with it in one substep.

@@ -40,6 +40,7 @@ pub fn cut(topology: &mut Arc<Topology>, position: &Soa3, blade: &Blade) -> Opti
 
 /// A stroke of many blades, each from where the one before left off, through a cloth that moves meanwhile: the line is
 /// without a gap, however cloth and rays move.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub struct Stroke {
     /// The last ray: near and far end, cloth frame, m.

@@ -76,6 +76,7 @@ pub struct Torn {
 }
 
 /// What is known of a cloth that may tear: the load of each particle, and how weak it is.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Tear {
     /// Smoothed tension along weft and warp at each slot, N/m.
@@ -246,6 +247,7 @@ impl Tear {
 }
 
 /// What strengthens the cloth around its pins.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct Tape {
     /// The particles pinned.

@@ -231,6 +231,7 @@ impl Blow<'_> {
 }
 
 /// The air at the particles of one cloth: what [`WindField::sample`](super::WindField::sample) and [`Air::blow`] find.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Airflow {
     /// Velocity of the air at each slot in this tick, m/s.

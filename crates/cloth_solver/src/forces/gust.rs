@@ -57,6 +57,7 @@ impl Gusts {
 }
 
 /// A wind, the same everywhere but for the gusts that it carries along, as it goes by. World axes.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GustyWind {
     /// m/s.
@@ -90,6 +91,7 @@ impl GustyWind {
 }
 
 /// The pattern of [`Gusts`], in the axes of the world and the place of the air.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, PartialEq)]
 struct Turbulence {
     /// What it was made for.
@@ -98,6 +100,7 @@ struct Turbulence {
 }
 
 /// `velocity · cos 2π(wave·x + phase)`.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Mode {
     /// Direction over wavelength, 1/m.

@@ -6,6 +6,7 @@ use crate::contact::{Bounds, Hierarchy};
 use crate::{Particles, Pose, Topology};
 
 /// An edge that passes through a triangle.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Passage {
     /// The particles at the ends of the edge, the smaller first.

@@ -11,6 +11,7 @@ use crate::tick::Substep;
 use crate::{Particles, Soa3};
 
 /// Working memory.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     acceleration: Soa3,

@@ -35,6 +35,7 @@ type Curvatures = Vec<(u32, [f64; 3])>;
 
 /// Curvature of the surface around one triangle, a vector each (in a sheet that does not stretch along its normal):
 /// `Σ weights_i x_i`.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct Curvature {
     corners: [u32; 3],

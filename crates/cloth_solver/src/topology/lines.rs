@@ -12,6 +12,7 @@
 use super::{Grid, Topology};
 
 /// Where links run.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Along {
     /// Along the rows.
@@ -21,6 +22,7 @@ pub(crate) enum Along {
 }
 
 /// A run of links.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Thread {
     /// The row or column it lies in.

@@ -38,6 +38,7 @@ use glam::{Mat2, Vec2, Vec3};
 ///   │ \  │  / │ \  │  / │                warp runs down a column (−y), `stride` apart
 ///   8 ── 9 ──10 ──11 ──12   -  -  -      diagonals alternate, so that the mesh prefers no direction
 /// ```
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Particles in a row, at least 2.
@@ -60,6 +61,7 @@ impl Grid {
 /// Rest state and connectivity of one cloth. Clothes may share it; one that is taken apart gets its own.
 ///
 /// All indices are particle slots (see [`crate::particles`]).
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
     /// Rest position of each slot, cloth frame, m. Padding repeats a neighbouring particle.

@@ -3,6 +3,7 @@
 use super::Topology;
 
 /// The pieces that a cloth consists of, numbered by their first particles.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pieces {
     /// For each slot its piece; `u32::MAX` for padding.

@@ -10,6 +10,7 @@ use super::{Grid, Topology};
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Which triangles are halves of which cells, and which cells are whole.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Weave {
     /// For each triangle twice the number of its cell, and one more for the second half; [`NONE`] for a part of one.

@@ -6,6 +6,7 @@ use crate::Particles;
 use crate::tick::Substep;
 
 /// A hand on the cloth. It holds a point of one triangle and pulls it towards a target.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grab {
     /// The particles of the triangle held.

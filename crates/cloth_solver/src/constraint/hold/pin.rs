@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::{Motion, Particles};
 
 /// One particle held at a point of a frame.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pin {
     /// The particle held.
@@ -16,6 +17,7 @@ pub struct Pin {
 }
 
 /// All pins of a cloth. A pinned particle has inverse mass 0.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub struct Pins {
     /// The frames pins hang on, as they move over this tick, in the cloth's frame. The caller updates them each tick.

@@ -8,6 +8,7 @@ use crate::topology::Change;
 use crate::{ClothError, Motion, Particles, Pose};
 
 /// A point of a surface that several frames take along, each by its weight.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkinPoint {
     /// Indices into [`Pins::frames`](super::super::Pins::frames).
@@ -37,6 +38,7 @@ impl SkinPoint {
 }
 
 /// How far one particle may get from a point of the skin.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinLimit {
     /// The particle.
@@ -51,6 +53,7 @@ pub struct SkinLimit {
 }
 
 /// What a skin holds of a cloth.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
     /// Particles that follow a point instead of the place in a frame that their pin says. One that is not pinned is left alone.
@@ -99,6 +102,7 @@ impl Skin {
 }
 
 /// A skin, and where the points of its limits are in the tick at hand.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct SkinHold {
     pub skin: Skin,

@@ -9,6 +9,7 @@ use std::collections::BinaryHeap;
 use crate::{Particles, Topology};
 
 /// One particle tied to one pinned particle.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tether {
     particle: u32,
@@ -23,6 +24,7 @@ struct Tether {
 const ZIGZAG: f32 = 1.16;
 
 /// The tethers of a cloth: each free particle to the pinned particle nearest along the cloth.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tethers {
     tethers: Vec<Tether>,

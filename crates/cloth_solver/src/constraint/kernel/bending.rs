@@ -24,6 +24,7 @@ const ABREAST: usize = 4;
 const ITERATIONS: usize = 400;
 
 /// What resists bending in a mesh.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct Bending {
     /// Row by row: the columns of Q off the diagonal and what stands there, filled up with zeros to a multiple of
@@ -47,6 +48,7 @@ pub(in crate::constraint) struct Bending {
 const FASTEST: f32 = 1.2;
 
 /// Vectors of the conjugate gradients.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct Work {
     residual: Vec<Packed>,

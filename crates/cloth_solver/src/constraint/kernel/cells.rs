@@ -115,6 +115,7 @@ pub(crate) struct CellForces<'a> {
 
 /// Forces of a row of cells on their corners: A, B and s with `−A − s`, `B + s` on the lower two and `A − s`, `s − B` on the
 /// upper two; eight entries of nothing before the first cell.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct Row {
     a: Soa3,
@@ -123,6 +124,7 @@ struct Row {
 }
 
 /// Working memory: the row of cells above and below a row of particles.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellRows([Row; 2]);
 
@@ -196,6 +198,7 @@ impl CellForces<'_> {
 }
 
 /// Cells of a rectangle that was taken apart whose corners lie anywhere, eight at a time.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct ListedCells {
     batches: Batches<4>,

@@ -11,6 +11,7 @@ use crate::lanes::{LANES, Vec3x8, splat};
 use crate::{Fabric, Particles, Substep, Topology};
 
 /// The hinges of a mesh, eight at a time.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct Hinges {
     batches: Batches<4>,

@@ -59,6 +59,7 @@ pub(in crate::constraint) const OVER_RELAXATION: f32 = 1.25;
 const NO_LINK: f32 = 1e20;
 
 /// The links of blocks as the first pass of a substep left them: direction of the pull, factors of the elimination, multipliers.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Links8 {
     /// The direction a link pulls along.
@@ -93,6 +94,7 @@ impl Links8 {
 }
 
 /// What the way back of [`bend`] and [`filter`] needs: eight lanes per particle.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elimination {
     vector: Soa3,

@@ -30,6 +30,7 @@ const ITERATIONS: usize = 60;
 type Lanes = [f32; LANES];
 
 /// What resists shear in a mesh.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct MeshShear {
     batches: Batches<3>,
@@ -42,6 +43,7 @@ pub(in crate::constraint) struct MeshShear {
 }
 
 /// Eight triangles.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 struct Eight {
     /// Inverse of the rest edges: see [`crate::constraint::kernel::triangles`].

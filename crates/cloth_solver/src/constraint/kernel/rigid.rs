@@ -12,6 +12,7 @@ use crate::{Motion, Particles, Soa3};
 type Sums = [f64; 16];
 
 /// The motion of one piece as if it were rigid.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::constraint) struct Body {
     sums: Sums,

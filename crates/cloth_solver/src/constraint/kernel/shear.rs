@@ -24,6 +24,7 @@ use crate::{Grid, Soa3};
 const FASTEST: f32 = 2.0;
 
 /// The stress of each cell, and the working memory to find it.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(in crate::constraint) struct Stress {
     /// λ h² of each cell, per slot of its upper left corner, N·s².

@@ -35,6 +35,7 @@ const NONE: u32 = u32::MAX;
 type Lanes = [f32; LANES];
 
 /// A triangle of each of eight strips.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Link {
     pub corners: [[u32; LANES]; 3],
@@ -73,6 +74,7 @@ impl Link {
 }
 
 /// Eight strips.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 struct Eight {
     links: Vec<Link>,
@@ -84,6 +86,7 @@ struct Eight {
 }
 
 /// What the factorisation keeps for the way back and for later passes, eight lanes each.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct Work {
     pull: Soa3,
@@ -114,6 +117,7 @@ impl Work {
 }
 
 /// All strips along one direction.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct Strips {
     along: Along,
@@ -357,6 +361,7 @@ impl Eight {
 }
 
 /// What strips work on.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(in crate::constraint) struct Packs {
     /// Positions.

@@ -25,6 +25,7 @@ pub(crate) enum Of {
 }
 
 /// The triangles of a mesh, eight at a time.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(crate) struct Triangles {
     batches: Batches<3>,

@@ -22,6 +22,7 @@ const UNFILTERED: f32 = 0.15;
 const FILTER: f32 = 1.25;
 
 /// Working memory for the longest strip, eight lanes each.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Waves {
     vector: Soa3,

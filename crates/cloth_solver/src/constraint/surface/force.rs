@@ -57,6 +57,7 @@ pub(in crate::constraint) fn of_grid(
 }
 
 /// What the forces of a rectangle that was taken apart need.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct Woven {
     weft: Vec<Thread>,
@@ -142,6 +143,7 @@ fn of_cell(position: &Soa3, force: &mut Soa3, grid: &Grid, corners: [usize; 4], 
 }
 
 /// What the forces of a mesh that is no grid need, or those of loose triangles.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct MeshForces {
     topology: Topology,

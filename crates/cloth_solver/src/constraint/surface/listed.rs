@@ -14,6 +14,7 @@ use crate::topology::Thread;
 use crate::{Particles, Soa3};
 
 /// What eight runs are brought together in, and worked on.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(in crate::constraint) struct Work {
     pub position: Soa3,
@@ -36,6 +37,7 @@ impl Work {
 }
 
 /// Eight threads.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct Listed {
     /// The particles, eight lanes each; padding behind the end of a thread.

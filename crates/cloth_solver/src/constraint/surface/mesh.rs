@@ -25,6 +25,7 @@ const LARGEST_LOAD: f32 = 0.3;
 const UNSTABLE_LOAD: f32 = 1.35 * LARGEST_LOAD;
 
 /// What keeps a mesh of fabric together.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct MeshConstraints {
     triangles: Triangles,

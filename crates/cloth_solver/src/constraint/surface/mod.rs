@@ -13,6 +13,7 @@ use grid::GridConstraints;
 use mesh::MeshConstraints;
 
 /// What keeps the fabric together.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(in crate::constraint) enum Surface {
     #[default]

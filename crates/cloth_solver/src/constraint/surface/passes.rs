@@ -27,6 +27,7 @@ const CONTRACTION: f32 = 0.5;
 const PATIENCE: f32 = 0.25;
 
 /// Tells how a pass goes and when to stop.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::constraint) struct Passes {
     /// Whether the last pass that was not the first of its substep had next to nothing left to do.

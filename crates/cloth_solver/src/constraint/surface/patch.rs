@@ -17,6 +17,7 @@ use crate::topology::{Along, regular_runs, threads};
 use crate::{Fabric, Grid, Particles, Substep, Topology};
 
 /// What was taken apart.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct Patch {
     weft: Listed8,
@@ -27,6 +28,7 @@ pub(in crate::constraint) struct Patch {
 }
 
 /// Threads along one direction.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 struct Listed8 {
     /// For each eight of rows or columns whether it is solved where it lies.

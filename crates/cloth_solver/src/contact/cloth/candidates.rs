@@ -21,6 +21,7 @@ const LEAST_OF_NEARER: f32 = 0.9;
 const SIDES: f32 = 1e-3;
 
 /// A vertex and a triangle, or two edges.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     pub kind: Kind,
@@ -68,6 +69,7 @@ impl Pair {
 }
 
 /// How a particle is expected to move until the next search, m.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Expected {
     /// In the substep at hand.
@@ -88,6 +90,7 @@ impl Expected {
 }
 
 /// All pairs found by the last search.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Pairs {
     pub all: Vec<Pair>,

@@ -25,6 +25,7 @@ const FEW: f32 = 0.25;
 const MANY: f32 = 6.0;
 
 /// The paths that particles are expected to take, and how far they may leave them.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     pub hierarchy: Hierarchy,

@@ -3,6 +3,7 @@
 use crate::Topology;
 
 /// Of a triangle its corners and sides that are paired with others in its name: each belongs to one triangle.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Owned {
     pub corners: [bool; 3],
@@ -10,6 +11,7 @@ pub(super) struct Owned {
 }
 
 /// The features of one cloth, or of several.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Features {
     /// By triangle.

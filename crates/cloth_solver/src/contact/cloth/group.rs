@@ -24,6 +24,7 @@ const FARTHEST: f32 = 64.0;
 /// All of them have to take the same substeps; in each of them, after [`collide`](crate::contact::collide), first [`take`](Self::take)
 /// in every cloth, then [`collide`](Self::collide), then [`give`](Self::give) to every cloth; after the last of a tick
 /// [`report`](Self::report).
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub struct GroupContacts {
     members: Vec<Member>,
@@ -33,6 +34,7 @@ pub struct GroupContacts {
     pub(super) state: State,
 }
 
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 struct Member {
     slots: Range<u32>,

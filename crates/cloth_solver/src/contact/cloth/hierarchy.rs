@@ -18,6 +18,7 @@ const PATCH: usize = 16;
 const CONE: f32 = 0.5;
 
 /// An axis-aligned box, m.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub min: Vec3A,
@@ -44,6 +45,7 @@ impl Bounds {
 }
 
 /// A node of the hierarchy.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 struct Node {
     /// Of a leaf its patch, else the second child; the first child comes next.
@@ -52,6 +54,7 @@ struct Node {
 }
 
 /// Triangles near each other.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct Patch {
     triangles: Vec<u32>,
@@ -66,6 +69,7 @@ struct Patch {
 }
 
 /// A cone that holds normals.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 struct Cone {
     /// Unit mean of the normals; zero if they are not within a cone.
@@ -114,6 +118,7 @@ impl Cone {
 }
 
 /// The triangles of a topology in patches, and these in a hierarchy of boxes.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,

@@ -81,6 +81,7 @@ impl SelfContact {
 
 /// What contact of a cloth with itself needs to know of it, and what it found.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub struct SelfContacts {
     settings: Settings,
@@ -90,6 +91,7 @@ pub struct SelfContacts {
 }
 
 /// What was found of one cloth.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     touching: u32,

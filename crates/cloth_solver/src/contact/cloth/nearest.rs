@@ -3,6 +3,7 @@
 use glam::Vec3A;
 
 /// Which features of cloth meet in a pair, and the order of its four particles.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// The vertex, then the three corners of the triangle.

@@ -24,6 +24,7 @@ const MOST_ROUNDS: u32 = 200;
 const NO_SIDE: f32 = 1e-7;
 
 /// A pair that may come too near in this substep, as it was where that began.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 struct Near {
     kind: Kind,
@@ -46,6 +47,7 @@ impl Near {
 }
 
 /// Working memory of the response.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Response {
     pub bodies: Bodies,

@@ -19,6 +19,7 @@ const SWEEPS: u32 = 3;
 const POSITION_SWEEPS: u32 = 1;
 
 /// The state of the particles in one substep.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     /// Where each was when the substep began, m.
@@ -55,6 +56,7 @@ fn weighted(all: &[Vec3A], ids: &[u32; 4], weights: &[f32; 4]) -> Vec3A {
 }
 
 /// Two points of cloth that press on each other.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pub ids: [u32; 4],

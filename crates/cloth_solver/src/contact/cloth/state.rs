@@ -21,6 +21,7 @@ pub(super) struct Solids<'a> {
     pub contacts: &'a Contacts,
 }
 
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct State {
     pub surfaces: Surfaces,

@@ -8,6 +8,7 @@ use crate::contact::Contacts;
 use crate::tick::Substep;
 
 /// A particle near a collider, and the plane it stays above.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub particle: u32,

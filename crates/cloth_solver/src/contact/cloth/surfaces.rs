@@ -4,6 +4,7 @@ use super::SelfContact;
 use crate::{Fabric, Topology};
 
 /// The numbers of [`SelfContact`] as they are for one cloth.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Settings {
     /// Distance kept, m.
@@ -34,6 +35,7 @@ impl Settings {
 }
 
 /// The surfaces of all cloths that keep off one another.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     all: Vec<Settings>,

@@ -17,6 +17,7 @@ use crate::{Particles, Topology};
 const SPEED: f32 = 0.5;
 
 /// Where the cloth passes through itself.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tangle {
     pub passages: Vec<Passage>,

@@ -11,6 +11,7 @@ const LOOSE: f32 = 0.8;
 const TIGHT: f32 = 0.02;
 
 /// The zones of one substep.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Zones {
     /// Of each particle another of its zone, or itself.

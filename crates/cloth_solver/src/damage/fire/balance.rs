@@ -24,6 +24,7 @@ const CONVECTION: f32 = 20.0;
 const RADIATION: f32 = 2.0 * 0.9 * 5.670_374e-8;
 
 /// What reaches the particles from flames, one entry per slot.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Exposure {
     /// Part of the cell that flames reach, 0..=1.

@@ -9,6 +9,7 @@ use crate::lanes::LANES;
 const CELLS_A_REACH: f32 = 3.0;
 
 /// Points sorted by the cell of space they lie in.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
     /// Width of a cell, m.

@@ -4,6 +4,7 @@ use super::rings::Rings;
 use crate::Topology;
 
 /// The cotangent Laplacian of the cloth at rest, edge by edge (Pinkall and Polthier 1993).
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Laplacian {
     /// Half the sum of the cotangents of the angles opposite to each edge, in the order of [`Topology::edges`]. 0 where

@@ -1,9 +1,9 @@
 //! Fire by chance, from edge to edge.
 
 use fearless_simd::dispatch;
-use rand::rngs::Xoshiro256PlusPlus;
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 
+use super::chance::Chance;
 use super::rings::Rings;
 use super::state::State;
 use super::{Contagion, FLAME_TEMPERATURE};
@@ -15,10 +15,11 @@ use crate::topology::Change;
 const NONE: u32 = u32::MAX;
 
 /// What fire by chance keeps beside [`State`]: an entry per edge where not said otherwise.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Spread {
     pub rule: Contagion,
-    chance: Xoshiro256PlusPlus,
+    chance: Chance,
     /// The edges this was made for.
     edges: Vec<[u32; 2]>,
     /// 0, sound, to 1, broken.
@@ -48,7 +49,7 @@ impl Spread {
         }
         Self {
             rule: *rule,
-            chance: Xoshiro256PlusPlus::seed_from_u64(rule.seed),
+            chance: Chance::new(rule.seed),
             edges: topology.edges.clone(),
             damage: vec![0.0; edges],
             is_burning: vec![false; edges],

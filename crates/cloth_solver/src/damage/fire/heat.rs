@@ -34,6 +34,7 @@ pub(super) struct Around<'a> {
 }
 
 /// What fire by heat keeps beside [`State`].
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Heat {
     pub fabric: Flammability,

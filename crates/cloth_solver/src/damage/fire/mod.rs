@@ -5,6 +5,7 @@
 
 mod balance;
 mod cells;
+mod chance;
 mod conduct;
 mod contagion;
 mod flame;
@@ -56,6 +57,7 @@ pub enum Stage {
 
 /// The fire of one cloth.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub struct Fire {
     state: State,
@@ -65,6 +67,7 @@ pub struct Fire {
     level: Level,
 }
 
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 enum Level {
     Heat(Box<Heat>),

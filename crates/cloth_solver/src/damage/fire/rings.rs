@@ -3,6 +3,7 @@
 use crate::Topology;
 
 /// The edges around each slot, one after the other.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rings {
     /// Where the edges of each slot start in `spokes`; one more at the end.
@@ -11,6 +12,7 @@ pub(super) struct Rings {
 }
 
 /// An edge as seen from one of its ends.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spoke {
     /// Its place in [`Topology::edges`].

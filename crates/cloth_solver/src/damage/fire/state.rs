@@ -16,6 +16,7 @@ const CHAR_STIFFNESS: f32 = 0.01;
 const LEAST_MASS: f32 = BURNT;
 
 /// Arrays per slot, and per triangle where said.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
     /// K.

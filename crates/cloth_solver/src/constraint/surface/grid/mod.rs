@@ -66,6 +66,7 @@ impl Stiffness {
 }
 
 /// What keeps a rectangle of fabric together, and the working memory to solve it.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(in crate::constraint) struct GridConstraints {
     pub grid: Grid,
@@ -93,6 +94,7 @@ pub(in crate::constraint) struct GridConstraints {
 }
 
 /// Rows in lanes.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug, Default)]
 struct RowLanes {
     position: Soa3,

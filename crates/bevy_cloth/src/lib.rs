@@ -95,12 +95,14 @@
 //! Wrong data never panics and never stops the rest of the world: [`ClothRejected`], [`ColliderRejected`] and
 //! [`WindRejected`] name the entity, the field, the value and what is allowed. A number that is not finite at run time
 //! puts that one cloth back to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a
-//! line in the log. Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
+//! line in the log. A mesh with faults that can be put right is mended: one line in the log says what, and [`ClothMended`].
+//! Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
 //!
 //! # Drawing
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
-//! follow the cloth, interpolated between the last two ticks. Without a material the cloth gets an off-white one.
+//! follow the cloth, interpolated between the last two ticks; other attributes of its own mesh stay as they are. Without a
+//! material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
 //! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
@@ -147,7 +149,7 @@ mod step;
 
 pub use air::Wind;
 pub use clock::{ClothClock, ClothTime};
-pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothMended, ClothRejection, ClothSource, ClothTopology, Resolution};
 pub use cloth_solver::contact::{ContactPoint, SelfContact};
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};

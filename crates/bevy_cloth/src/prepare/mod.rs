@@ -1,6 +1,7 @@
 //! From authored components to runtime state, and the state of each tick.
 
 mod anchors;
+mod attributes;
 mod authored;
 mod build;
 mod collider;
@@ -25,6 +26,8 @@ use crate::schedule::{ClothSchedule, ClothSystems};
 use crate::sleep;
 
 pub(crate) use anchors::Anchors;
+#[cfg(feature = "render")]
+pub(crate) use attributes::two_sided;
 pub(crate) use authored::{Authored, differs_in_scale};
 pub(crate) use collider::{ColliderState, Colliders};
 pub(crate) use follow::Follow;

@@ -116,6 +116,7 @@
 //! # Features
 //! - `render` (default): drawing. Without it the crate needs no renderer.
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
+//! - `gltf`: custom properties of models from Blender say what is cloth, see the module `gltf`. Needs `bevy_gltf`.
 
 pub mod air;
 pub mod clock;
@@ -126,6 +127,8 @@ pub mod contact_view;
 pub mod damage;
 pub mod diagnostics;
 pub mod events;
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod particle_pins;
 #[cfg(feature = "picking")]
 pub mod picking;

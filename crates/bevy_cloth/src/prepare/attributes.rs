@@ -73,6 +73,7 @@ impl Attributes {
     }
 
     /// The values of an attribute.
+    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only drawing asks"))]
     pub fn get(&self, attribute: MeshVertexAttribute) -> Option<&VertexAttributeValues> {
         self.0.iter().find(|(known, _)| known.id == attribute.id).map(|(_, values)| values)
     }

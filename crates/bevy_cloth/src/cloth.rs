@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use cloth_solver::topology::Mended;
 pub use cloth_solver::topology::Resolution;
 use cloth_solver::{ClothError, Fabric, Pose, Soa3, Topology};
 
@@ -45,6 +46,15 @@ pub enum ClothSource {
     /// A mesh that is a flat, evenly divided rectangle with the warp along one of its sides (a plane with subdivisions) is
     /// solved as a rectangle is. Any other mesh is solved along strips of its triangles: two to four times the time of a rectangle of
     /// as many particles; hung by two corners it stretches by some per cent, where a rectangle does by one.
+    ///
+    /// Triangle lists and strips, with or without indices. What is wrong with a mesh and can be put right is mended: unused
+    /// vertices, triangles without area or there twice, windings that disagree, edges of three or more triangles. One
+    /// warning for each cloth says what, and so does [`ClothMended`]. Only a mesh in which nothing is left to simulate, a vertex
+    /// is not finite, or an index names no vertex is refused.
+    ///
+    /// All attributes of the mesh stay with their vertices, through tears and cuts, in the mesh that is drawn: several texture
+    /// coordinates, colours, those of your own. Positions, normals and tangents are the cloth's. Joints and their weights are not
+    /// drawn with, since the simulation has moved the vertices already. A `ClothLook` uses the second texture coordinates itself.
     ///
     /// A mesh with joints on an entity with a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) starts in the pose of its joints. What
     /// they do to its size counts as the transform's scale, whose own counts no more. A joint that is sheared, or scaled after the
@@ -106,6 +116,10 @@ impl Cloth {
 /// [`Contacts`](cloth_solver::contact::Contacts).
 #[derive(Component, Clone, Debug, Deref)]
 pub struct ClothTopology(pub(crate) Arc<Topology>);
+
+/// What was wrong with the mesh that a cloth is made of, and was mended. Read-only; only on a cloth whose mesh had faults.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Deref)]
+pub struct ClothMended(pub(crate) Mended);
 
 /// Where a running cloth's own frame stands in the world. Read-only.
 ///

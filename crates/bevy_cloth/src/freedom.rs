@@ -22,6 +22,7 @@ pub const ATTRIBUTE_FREEDOM: MeshVertexAttribute =
 /// // A coat: its hem swings up to 25 cm away, and sinks no more than 1 cm into the body.
 /// let freedom = Freedom { distance: 0.25, backstop: 0.01 };
 /// ```
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct Freedom {

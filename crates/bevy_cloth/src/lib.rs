@@ -104,7 +104,8 @@
 //! Wrong data never panics and never stops the rest of the world: [`ClothRejected`], [`ColliderRejected`] and
 //! [`WindRejected`] name the entity, the field, the value and what is allowed. A number that is not finite at run time
 //! puts that one cloth back to its last finite shape ([`ClothRecovered`]). Each is an event at the entity, a message and a
-//! line in the log. Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
+//! line in the log. A mesh with faults that can be put right is mended: one line in the log says what, and [`ClothMended`].
+//! Insert [`ClothStats`] to have a cloth measured, add [`ClothDiagnosticsPlugin`] for times and totals.
 //!
 //! # Saving and rollback
 //! [`SavedCloths`] holds the state of all running cloths and puts it back, in the same world or in another one; what follows is the
@@ -114,7 +115,8 @@
 //! With [`Assets<Mesh>`](bevy::asset::Assets) present each cloth draws a mesh of its own: front and back as separate vertices, half
 //! the fabric's thickness apart, so that any material lights both. Positions, normals, tangents and the bounding box
 //! follow the cloth, interpolated between the last two ticks, and placed where what it hangs on is drawn: a cape does not lag behind
-//! its wearer. [`ShownShape`] tells where each particle is drawn. Without a material the cloth gets an off-white one.
+//! its wearer. [`ShownShape`] tells where each particle is drawn. Other attributes of its own mesh stay as they are. Without a
+//! material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
 //! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
@@ -129,6 +131,7 @@
 //! - `render` (default): drawing. Without it the crate needs no renderer.
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
 //! - `serialize`: [`SavedCloths`] as bytes, and `Serialize` and `Deserialize` for it, [`Pins`], [`ParticlePins`] and [`Weights`].
+//! - `gltf`: custom properties of models from Blender say what is cloth, see the module `gltf`. Needs `bevy_gltf`.
 
 pub mod air;
 pub mod bones;
@@ -141,6 +144,8 @@ pub mod damage;
 pub mod diagnostics;
 pub mod events;
 pub mod freedom;
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod particle_pins;
 #[cfg(feature = "picking")]
 pub mod picking;
@@ -167,7 +172,7 @@ mod step;
 pub use air::Wind;
 pub use bones::BoneColliders;
 pub use clock::{ClothClock, ClothTime};
-pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology, Resolution};
+pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothMended, ClothRejection, ClothSource, ClothTopology, Resolution};
 pub use cloth_solver::contact::{ContactPoint, SelfContact};
 pub use cloth_solver::damage::Direction;
 pub use cloth_solver::forces::{Air, Fan, Gusts, Oscillation, WindZone, ZoneShape};

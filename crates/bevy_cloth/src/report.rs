@@ -133,11 +133,19 @@ pub(crate) fn report(commands: &mut Commands, report: impl Report) {
     commands.queue(move |world: &mut World| report_now(world, report));
 }
 
+/// Writes a warning about `entity` to the log once the present system is done; `text` is given its name.
+pub(crate) fn warn_of(commands: &mut Commands, entity: Entity, text: impl FnOnce(&str) -> String + Send + 'static) {
+    commands.queue(move |world: &mut World| warn!("{}", text(&name_of(world, entity))));
+}
+
+/// The entity as the user knows it.
+fn name_of(world: &World, entity: Entity) -> String {
+    world.get::<Name>(entity).map_or(entity.to_string(), |name| format!("`{name}` ({entity})"))
+}
+
 /// Tells `report` at once.
 pub(crate) fn report_now(world: &mut World, report: impl Report) {
-    let entity = report.event_target();
-    let name = world.get::<Name>(entity).map_or(entity.to_string(), |name| format!("`{name}` ({entity})"));
-    report.log(&name);
+    report.log(&name_of(world, report.event_target()));
     world.write_message(report.clone());
     world.trigger(report);
 }

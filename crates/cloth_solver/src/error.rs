@@ -43,8 +43,8 @@ pub enum ClothError {
         /// The position found.
         position: glam::Vec3,
     },
-    /// A triangle of no area once vertices at the same place are welded.
-    #[error("triangle {triangle} has area {area} m², allowed is more than {smallest} m²")]
+    /// No triangle has an area once vertices at the same place are welded; told is the first.
+    #[error("no triangle has an area: that of triangle {triangle} is {area} m², allowed is more than {smallest} m²")]
     DegenerateTriangle {
         /// The triangle's place in the index list.
         triangle: usize,
@@ -53,21 +53,13 @@ pub enum ClothError {
         /// The smallest area allowed for this mesh, m².
         smallest: f32,
     },
-    /// An edge shared by more than two triangles.
-    #[error("the edge between vertices {a} and {b} belongs to {triangles} triangles, allowed is 1..=2")]
-    NonManifoldEdge {
-        /// A mesh vertex at one end.
-        a: u32,
-        /// A mesh vertex at the other end.
-        b: u32,
-        /// How many triangles share the edge.
-        triangles: usize,
-    },
-    /// A vertex that belongs to no triangle.
-    #[error("vertex {vertex} belongs to no triangle")]
+    /// A vertex named by a pin or a weight that belongs to no triangle, and so has no particle.
+    #[error("`{field}` names vertex {vertex}, which belongs to no triangle; allowed is a vertex that one does")]
     LoneVertex {
-        /// The vertex.
-        vertex: usize,
+        /// Path of the field as the user wrote it.
+        field: &'static str,
+        /// The vertex named.
+        vertex: u32,
     },
     /// A particle named by a pin, grab or tether that the cloth does not have.
     #[error("`{field}` names particle {particle}, allowed is a particle of the cloth ({particles} of them)")]

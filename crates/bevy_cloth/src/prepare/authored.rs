@@ -5,6 +5,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use cloth_solver::forces::Gusts;
+use cloth_solver::topology::Mended;
 use cloth_solver::{ClothError, Fabric, Topology};
 
 use super::DrawnMesh;
@@ -60,6 +61,8 @@ pub(crate) struct Authored {
     /// Grabs that came before there was a topology to check them against.
     grabs_unchecked: bool,
     pub faults: Faults,
+    /// What was mended of the mesh that it is made of.
+    pub mended: Mended,
 }
 
 /// What the shape of a cloth can wait for without anything being wrong with it.

@@ -22,13 +22,13 @@ use super::shared::{SharedSettings, SharedValues};
 use super::source::shape;
 use super::{ClothSkin, DrawnMesh, Follow, StepPlan};
 use crate::air::Wind;
-use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothSource, ClothTopology};
+use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothMended, ClothRejection, ClothSource, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces, Flammable, TearState, Tearable};
 use crate::events::ClothRejected;
 use crate::freedom::Freedom;
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
-use crate::report::report;
+use crate::report::{report, warn_of};
 use crate::settings::{Grabs, Gravity, Substeps};
 use crate::shown::ShownShape;
 use crate::sleep::{ClothAsleep, ClothSleep, wake_up};
@@ -216,6 +216,7 @@ impl WantedItem<'_, '_> {
                                 .try_remove::<(Grabs, ParticlePins, ClothPieces, TearState, ClothFire, SelfContacts)>();
                         }
                         self.renew_self_contacts(&whole, commands);
+                        self.tell_mended(&whole, commands);
                     }
                 }
             }
@@ -289,6 +290,20 @@ impl WantedItem<'_, '_> {
                 }
             }
             Some(_) => {}
+        }
+    }
+
+    /// Tells what was wrong with the mesh and is mended, if that is something new.
+    fn tell_mended(&mut self, topology: &Topology, commands: &mut Commands) {
+        let mended = topology.mended;
+        if mended == std::mem::replace(&mut self.authored.mended, mended) {
+            return;
+        }
+        if mended.is_nothing() {
+            commands.entity(self.entity).try_remove::<ClothMended>();
+        } else {
+            commands.entity(self.entity).try_insert(ClothMended(mended));
+            warn_of(commands, self.entity, move |name| format!("the mesh of cloth {name} was mended: {mended}"));
         }
     }
 

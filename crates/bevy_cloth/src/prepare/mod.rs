@@ -2,6 +2,7 @@
 
 mod anchors;
 mod armature;
+mod attributes;
 mod authored;
 mod build;
 mod collider;
@@ -29,6 +30,8 @@ use crate::sleep;
 
 pub(crate) use anchors::Anchors;
 pub(crate) use armature::{Armature, TakenSkin};
+#[cfg(feature = "render")]
+pub(crate) use attributes::two_sided;
 pub(crate) use authored::{Authored, differs_in_scale};
 pub(crate) use collider::{ColliderState, Colliders};
 pub(crate) use collider_save::SavedCollider;
@@ -73,6 +76,13 @@ pub(crate) fn take_over(world: &mut World) {
 pub(crate) struct ClothSkin(pub std::sync::Arc<Skin>);
 
 impl ClothSkin {
+    /// Takes attributes of the mesh from `now`, the same cloth as it is at present, if they were not saved.
+    pub fn take_attributes(&mut self, now: &Self) {
+        if self.0.attributes.miss(&now.0.attributes) {
+            std::sync::Arc::make_mut(&mut self.0).attributes.take(&now.0.attributes);
+        }
+    }
+
     /// The same, with what drawing needs: saved by an app that draws nothing, it lacks that. Tears then count as hems.
     #[cfg(feature = "render")]
     pub fn with_hem(mut self, topology: &cloth_solver::Topology) -> Self {

@@ -16,16 +16,9 @@ pub(crate) fn select(select: &PinSelect, topology: &Topology, skin: &Skin) -> Re
         PinSelect::Rods(count) => rods(&top_edge(topology), topology, *count),
         PinSelect::Top => top_edge(topology),
         PinSelect::Corners => rods(&top_edge(topology), topology, 2),
-        PinSelect::Vertices(vertices) => vertices
-            .iter()
-            .map(|vertex| {
-                topology.vertex_particle.get(*vertex as usize).copied().ok_or(ClothError::NoSuchParticle {
-                    field: "PinSelect::Vertices",
-                    particle: *vertex,
-                    particles: topology.vertex_particle.len(),
-                })
-            })
-            .collect::<Result<_, _>>()?,
+        PinSelect::Vertices(vertices) => {
+            vertices.iter().map(|vertex| particle_of(*vertex, topology)).collect::<Result<_, _>>()?
+        }
         PinSelect::Region { min, max } => {
             check_bounds("PinSelect::Region.min", *min)?;
             check_bounds("PinSelect::Region.max", *max)?;
@@ -39,7 +32,8 @@ pub(crate) fn select(select: &PinSelect, topology: &Topology, skin: &Skin) -> Re
                 return Err(ClothError::OutOfRange { field: "PinSelect::VertexColor", value: *threshold, allowed });
             }
             let vertices = topology.vertex_particle.iter().zip(&skin.colors);
-            vertices.filter(|(_, color)| color[0] >= *threshold).map(|(slot, _)| *slot).collect()
+            let painted = vertices.filter(|(_, color)| color[0] >= *threshold).map(|(slot, _)| *slot);
+            painted.filter(|slot| topology.is_particle(*slot)).collect()
         }
     };
     chosen.sort_unstable();
@@ -60,6 +54,17 @@ pub(crate) fn freedom(topology: &Topology, skin: &Skin) -> Result<Vec<f32>, Clot
         free[slot] = free[slot].min(*painted);
     }
     Ok(free)
+}
+
+/// The particle of a vertex that a pin names.
+fn particle_of(vertex: u32, topology: &Topology) -> Result<u32, ClothError> {
+    let field = "PinSelect::Vertices";
+    let vertices = &topology.vertex_particle;
+    match vertices.get(vertex as usize) {
+        Some(slot) if topology.is_particle(*slot) => Ok(*slot),
+        Some(_) => Err(ClothError::LoneVertex { field, vertex }),
+        None => Err(ClothError::NoSuchParticle { field, particle: vertex, particles: vertices.len() }),
+    }
 }
 
 fn check_bounds(field: &'static str, corner: Vec3) -> Result<(), ClothError> {

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use cloth_solver::topology::{Change, MeshSource};
 use cloth_solver::{ClothError, Topology};
 
+use super::attributes::Attributes;
 use crate::cloth::ClothSource;
 use crate::damage::ATTRIBUTE_STRENGTH;
 use crate::freedom::ATTRIBUTE_FREEDOM;
@@ -21,6 +22,8 @@ pub(crate) struct Skin {
     pub strength: Vec<f32>,
     /// How free each is, or empty.
     pub freedom: Vec<f32>,
+    /// All other attributes of the mesh.
+    pub attributes: Attributes,
     /// For each slot whether it lies on the border that the whole cloth had, or empty where nothing is drawn.
     pub hem: Vec<bool>,
 }
@@ -36,6 +39,7 @@ impl Skin {
                 self.hem[born.slot as usize] = a && b;
             }
         }
+        self.attributes.follow(change);
         for born in &change.vertices {
             let [a, b] = born.parents.map(|vertex| vertex as usize);
             if let (Some(from), Some(to)) = (self.uvs.get(a), self.uvs.get(b)) {
@@ -93,9 +97,11 @@ pub(crate) fn bounds(topology: &Topology) -> (Vec3, Vec3) {
 /// Vertices under `scale` and corners of the triangles of a mesh.
 pub(super) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec3>, Vec<u32>), ClothError> {
     let not_a_list = |reason: String| ClothError::NotTriangleList { reason };
-    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-        return Err(not_a_list(format!("its primitive topology is {:?}", mesh.primitive_topology())));
-    }
+    let is_strip = match mesh.primitive_topology() {
+        PrimitiveTopology::TriangleList => false,
+        PrimitiveTopology::TriangleStrip => true,
+        other => return Err(not_a_list(format!("its primitive topology is {other:?}"))),
+    };
     let positions = match mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION) {
         Ok(Some(VertexAttributeValues::Float32x3(positions))) => positions,
         Ok(Some(_)) => return Err(not_a_list("its positions are not three floats each".into())),
@@ -103,11 +109,15 @@ pub(super) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec
         Err(error) => return Err(not_a_list(format!("{error}; keep it with `RenderAssetUsages::MAIN_WORLD`"))),
     };
     let positions: Vec<Vec3> = positions.iter().map(|p| Vec3::from_array(*p) * scale).collect();
-    let mut indices: Vec<u32> = match mesh.try_indices_option() {
-        Ok(Some(Indices::U32(indices))) => indices.clone(),
-        Ok(Some(Indices::U16(indices))) => indices.iter().map(|i| u32::from(*i)).collect(),
-        _ => (0..positions.len() as u32).collect(),
+    // Of a strip, the largest number begins another one.
+    let (mut indices, restart): (Vec<u32>, _) = match mesh.try_indices_option() {
+        Ok(Some(Indices::U32(indices))) => (indices.clone(), u32::MAX),
+        Ok(Some(Indices::U16(indices))) => (indices.iter().map(|i| u32::from(*i)).collect(), u32::from(u16::MAX)),
+        _ => ((0..positions.len() as u32).collect(), u32::MAX),
     };
+    if is_strip {
+        indices = indices.split(|index| *index == restart).flat_map(triangles_of_strip).flatten().collect();
+    }
     if !indices.len().is_multiple_of(3) {
         return Err(not_a_list(format!("it has {} indices, not a multiple of 3", indices.len())));
     }
@@ -116,6 +126,15 @@ pub(super) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec
         indices.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
     }
     Ok((positions, indices))
+}
+
+/// The triangles of a strip, all wound alike. Those between two strips, which name a vertex twice, are none.
+fn triangles_of_strip(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    let turned = |(at, corners): (usize, &[u32])| {
+        let [a, b, c] = [corners[0], corners[1], corners[2]];
+        if at % 2 == 0 { [a, b, c] } else { [b, a, c] }
+    };
+    strip.windows(3).enumerate().map(turned).filter(|[a, b, c]| a != b && b != c && c != a)
 }
 
 fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
@@ -141,5 +160,6 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         Ok(Some(VertexAttributeValues::Float32(freedom))) => freedom.clone(),
         _ => Vec::new(),
     };
-    Ok((topology, Skin { uvs, colors, strength, freedom, ..Skin::default() }))
+    let attributes = Attributes::of(mesh, positions.len());
+    Ok((topology, Skin { uvs, colors, strength, freedom, attributes, ..Skin::default() }))
 }

@@ -8,7 +8,7 @@ use cloth_solver::rest::Rest;
 
 use super::{Anchors, Armature, Authored, ClothSkin, ColliderState, DrawnMesh, StepPlan, TakenSkin};
 use crate::air::Surroundings;
-use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothRejection, ClothTopology};
+use crate::cloth::{Cloth, ClothFrame, ClothHistory, ClothMended, ClothRejection, ClothTopology};
 use crate::collider::ClothCollider;
 use crate::contact::Touching;
 use crate::damage::{ClothFire, ClothPieces, TearState};
@@ -23,7 +23,7 @@ use crate::weights::Loads;
 type Runtime = (
     (ClothTopology, ClothSkin, ClothFrame, ClothHistory, ClothRejection, DrawnMesh, ShownShape, Grabs, ParticlePins),
     (Particles, Constraints, Contacts, Anchors, Authored, StepPlan, Loads, Surroundings, Armature),
-    (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled),
+    (ClothPieces, TearState, ClothFire, Rest, ClothAsleep, Touching, SelfContacts, Tangled, ClothMended),
 );
 
 /// Leaves nothing behind when a [`Cloth`] is removed, and gives the entity back its mesh.

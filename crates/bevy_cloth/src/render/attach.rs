@@ -12,7 +12,7 @@ use super::write::Drawing;
 use super::{flames, look_material, material, wear};
 use crate::cloth::ClothTopology;
 use crate::damage::ClothPieces;
-use crate::prepare::{ClothSkin, DrawnMesh};
+use crate::prepare::{self, ClothSkin, DrawnMesh, Skin};
 use crate::settings::Shared;
 
 /// Makes the mesh of every cloth that has none or was built anew, and puts it on the entity.
@@ -31,7 +31,7 @@ pub(crate) fn attach(
         let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
             let uvs = wear::uvs(&topology, &skin.0);
             let drawing = Drawing::new(&topology, &skin.0, &uvs, None, subdivided(&topology, parts, None));
-            let handle = meshes.add(two_sided(&topology, &uvs, drawing.subdivision()));
+            let handle = meshes.add(two_sided(&topology, &skin.0, &uvs, drawing.subdivision()));
             // A clone still shows the mesh of the cloth it was cloned from.
             let original = cloned.get(entity).ok().filter(|of| shown.is_some_and(|shown| shown.0 == of.drawn));
             let source = original.map_or_else(|| shown.map(|mesh| mesh.0.clone()), |original| original.source.clone());
@@ -48,7 +48,9 @@ pub(crate) fn attach(
             let metres = in_pieces.then_some(drawing.metres());
             let subdivision = subdivided(&topology, parts, drawing.take_subdivision());
             *drawing = Drawing::new(&topology, &skin.0, &uvs, metres, subdivision);
-            if let Err(error) = meshes.insert(mesh.drawn.id(), two_sided(&topology, &uvs, drawing.subdivision())) {
+            if let Err(error) =
+                meshes.insert(mesh.drawn.id(), two_sided(&topology, &skin.0, &uvs, drawing.subdivision()))
+            {
                 error!("the mesh of cloth {entity} could not be replaced: {error}");
             }
         }
@@ -77,26 +79,41 @@ fn subdivided(topology: &Topology, parts: u32, old: Option<Box<Subdivision>>) ->
 /// A mesh with front and back of `topology` as separate vertices: first all of the front, then all of the back. Positions,
 /// normals and tangents are still to be written. Colours and the second texture coordinates (what fire and water did) are
 /// there from the beginning: a mesh of another layout would need another pipeline, and vanish until that is compiled.
-fn two_sided(topology: &Topology, uvs: &[Vec2], subdivision: Option<&Subdivision>) -> Mesh {
+///
+/// The attributes of the mesh that the cloth does not write are there, too.
+fn two_sided(topology: &Topology, skin: &Skin, uvs: &[Vec2], subdivision: Option<&Subdivision>) -> Mesh {
     let vertices = subdivision.map_or(topology.vertex_particle.len(), Subdivision::vertices);
     let back = |vertex: u32| vertex + vertices as u32;
     let triangles = subdivision.map_or(&topology.triangle_vertices[..], Subdivision::triangles);
+    let backs = match subdivision {
+        Some(fine) => fine.backs(),
+        None if topology.triangle_backs.is_empty() => triangles,
+        None => &topology.triangle_backs,
+    };
     let front_and_back = triangles.iter().copied();
-    let front_and_back = front_and_back.chain(triangles.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
+    let front_and_back = front_and_back.chain(backs.iter().map(|[a, b, c]| [back(*a), back(*c), back(*b)]));
     let mut uvs: Vec<[f32; 2]> = uvs.iter().map(Vec2::to_array).collect();
     if let Some(subdivision) = subdivision {
         uvs.resize(vertices, [0.0; 2]);
         subdivision.spread(&mut uvs);
     }
     uvs.extend_from_within(..);
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+    let second_uvs = match skin.attributes.get(Mesh::ATTRIBUTE_UV_1) {
+        Some(uvs) => prepare::two_sided(uvs, subdivision),
+        None => vec![[0.0_f32; 2]; 2 * vertices].into(),
+    };
+    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; 2 * vertices])
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; 2 * vertices])
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.0; 2]; 2 * vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, second_uvs)
         .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; 2 * vertices])
         .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, vec![[1.0; 4]; 2 * vertices])
-        .with_inserted_indices(Indices::U32(front_and_back.flatten().collect()))
+        .with_inserted_indices(Indices::U32(front_and_back.flatten().collect()));
+    for (attribute, values) in skin.attributes.drawn() {
+        mesh.insert_attribute(*attribute, prepare::two_sided(values, subdivision));
+    }
+    mesh
 }
 
 /// Takes off the entity what was put on to draw the cloth, and gives it back its own mesh.

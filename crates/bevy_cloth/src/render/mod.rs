@@ -28,6 +28,7 @@ pub use flames::ClothFlames;
 pub use look::{ClothLook, Pattern, Weave};
 pub use look_material::{ClothMaterial, FabricExtension};
 pub use subdivide::ClothSubdivision;
+pub(crate) use subdivide::Subdivision;
 pub(crate) use wear::hem;
 
 /// What the colour of a cloth tells.

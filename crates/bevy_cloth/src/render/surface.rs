@@ -28,15 +28,20 @@ pub(crate) fn normals(triangles: &[[u32; 3]], positions: &[Vec3], normals: &mut 
 pub(crate) struct TangentFrame {
     /// For each triangle the factors of its two edges from the first vertex.
     factors: Vec<[f32; 2]>,
+    /// Triangles of the back that have other vertices than those of the front, with what is theirs of `factors` behind those.
+    backs: Vec<[u32; 3]>,
     /// For each vertex the sign of its bitangent (against growing v, as Bevy has it): `sign · normal × tangent`.
     signs: Vec<f32>,
 }
 
 impl TangentFrame {
-    /// From texture coordinates, one for each vertex of `triangles`; empty without them.
-    pub fn new(triangles: &[[u32; 3]], uvs: &[Vec2]) -> Self {
+    /// From texture coordinates, one for each vertex of `triangles`; empty without them. `backs` are the triangles of the back
+    /// where these are others, or none.
+    pub fn new(triangles: &[[u32; 3]], backs: &[[u32; 3]], uvs: &[Vec2]) -> Self {
+        let of_back = triangles.iter().zip(backs).filter(|(front, back)| front != back);
+        let backs: Vec<[u32; 3]> = of_back.map(|(_, back)| *back).collect();
         let mut signs = vec![1.0; uvs.len()];
-        let factors = triangles.iter().map(|triangle| {
+        let factors = triangles.iter().chain(&backs).map(|triangle| {
             let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| uvs.get(vertex as usize)) else { return [0.0; 2] };
             let (first, second) = (b - a, c - a);
             let area = first.perp_dot(second);
@@ -45,7 +50,7 @@ impl TangentFrame {
             }
             if area == 0.0 { [0.0; 2] } else { [second.y / area, -first.y / area] }
         });
-        Self { factors: factors.collect(), signs }
+        Self { factors: factors.collect(), signs, backs }
     }
 
     /// The sign of the bitangent of a vertex.
@@ -64,7 +69,7 @@ impl TangentFrame {
         tangents: &mut [Vec3],
     ) {
         tangents.fill(Vec3::ZERO);
-        for (triangle, [first, second]) in triangles.iter().zip(&self.factors) {
+        for (triangle, [first, second]) in triangles.iter().chain(&self.backs).zip(&self.factors) {
             let [a, b, c] = triangle.map(|vertex| positions[particle[vertex as usize] as usize]);
             let tangent = (b - a) * *first + (c - a) * *second;
             for vertex in triangle {
@@ -104,7 +109,7 @@ mod tests {
     #[test]
     fn tangents_follow_u_and_bitangents_point_against_v() {
         let uvs = CORNERS.map(|corner| Vec2::new(corner.x, 1.0 - corner.y));
-        let frame = TangentFrame::new(&TRIANGLES, &uvs);
+        let frame = TangentFrame::new(&TRIANGLES, &[], &uvs);
         let mut found = [Vec3::ZERO; 4];
         frame.tangents(&TRIANGLES, &[0, 1, 2, 3], &CORNERS, &[Vec3::Z; 4], &mut found);
         assert_eq!(found, [Vec3::X; 4]);
@@ -114,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_sheet_without_spread_texture_coordinates_still_has_unit_tangents() {
-        let frame = TangentFrame::new(&TRIANGLES, &[Vec2::ZERO; 4]);
+        let frame = TangentFrame::new(&TRIANGLES, &[], &[Vec2::ZERO; 4]);
         let mut found = [Vec3::ZERO; 4];
         frame.tangents(&TRIANGLES, &[0, 1, 2, 3], &CORNERS, &[Vec3::Z; 4], &mut found);
         assert!(found.iter().all(|tangent| tangent.is_normalized() && tangent.dot(Vec3::Z).abs() < 1e-6));

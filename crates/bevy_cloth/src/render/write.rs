@@ -14,7 +14,7 @@ use super::subdivide::Subdivision;
 use super::surface::{self, TangentFrame};
 use super::wear::{self, Folds};
 use crate::cloth::{ClothFrame, ClothTopology};
-use crate::prepare::{ClothSkin, DrawnMesh, Placements, Skin};
+use crate::prepare::{self, ClothSkin, DrawnMesh, Placements, Skin};
 use crate::settings::Shared;
 use crate::shown::ShownShape;
 
@@ -60,7 +60,7 @@ impl Drawing {
         Self {
             normals: vec![Vec3::Z; slots],
             tangents: vec![Vec3::X; vertices],
-            tangent_frame: TangentFrame::new(&topology.triangle_vertices, uvs),
+            tangent_frame: TangentFrame::new(&topology.triangle_vertices, &topology.triangle_backs, uvs),
             shares: Vec::new(),
             subdivision,
             supports: Vec::new(),
@@ -179,6 +179,10 @@ impl Drawing {
             Some(fine) => (fine.positions()[vertex], fine.normals()[vertex]),
             None => (shown[particle[vertex] as usize], self.normals[particle[vertex] as usize]),
         };
+        // A vertex that no triangle uses stays anywhere.
+        let all_used = topology.mended.is_nothing();
+        let is_used =
+            |vertex: usize| all_used || particle.get(vertex % back).is_none_or(|slot| topology.is_particle(*slot));
         let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         if let Some(VertexAttributeValues::Float32x3(positions)) = values(mesh, Mesh::ATTRIBUTE_POSITION) {
             for vertex in 0..back {
@@ -186,7 +190,9 @@ impl Drawing {
                 let normal = normal * half;
                 for (vertex, at) in [(vertex, at + normal), (vertex + back, at - normal)] {
                     let at = self.relation.transform_point3(at);
-                    bounds = (bounds.0.min(at), bounds.1.max(at));
+                    if is_used(vertex) {
+                        bounds = (bounds.0.min(at), bounds.1.max(at));
+                    }
                     positions[vertex] = at.to_array();
                 }
             }
@@ -272,6 +278,11 @@ impl Drawing {
                 fine.spread(front);
                 fine.spread(back);
             }
+        }
+        let own = skin.attributes.get(Mesh::ATTRIBUTE_UV_1).filter(|_| !self.has_look);
+        if let (Some(own), Ok(_)) = (own, mesh.try_attribute(Mesh::ATTRIBUTE_UV_1)) {
+            // As it was before a look was taken off.
+            mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, prepare::two_sided(own, fine));
         }
         if let Some(VertexAttributeValues::Float32x2(marks)) = values(mesh, Mesh::ATTRIBUTE_UV_1)
             && self.has_look

@@ -15,11 +15,11 @@ use crate::contact::Touching;
 use crate::damage::{ClothFire, ClothPieces, TearState, Tearable};
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
-use crate::prepare::{Anchors, Authored, ClothSkin, Colliders, Skin, StepPlan};
+use crate::prepare::{Anchors, Armature, Authored, ClothSkin, Colliders, Skin, StepPlan};
 use crate::self_contact::Tangled;
 use crate::sleep::ClothAsleep;
 use crate::weights::{Loads, Weights};
-use crate::{Air, Fabric, Flammable, SelfContact};
+use crate::{Air, Fabric, Flammable, Freedom, SelfContact};
 
 /// One cloth.
 #[derive(Clone, Debug)]
@@ -41,6 +41,8 @@ pub(super) struct SavedCloth {
     has_colliders: bool,
     own: Option<SelfContacts>,
     anchors: Anchors,
+    /// The places of its particles on the joints of an armature.
+    places: Option<Vec<cloth_solver::constraint::SkinPoint>>,
     loads: Loads,
     plan: StepPlan,
     rest: Rest,
@@ -64,6 +66,7 @@ struct SavedAuthored {
     pins: Option<Pins>,
     weights: Option<Weights>,
     self_contact: Option<SelfContact>,
+    freedom: Option<Freedom>,
 }
 
 impl SavedCloth {
@@ -78,6 +81,7 @@ impl SavedCloth {
                 pins: cloth.get::<Pins>().cloned(),
                 weights: cloth.get::<Weights>().cloned(),
                 self_contact: cloth.get::<SelfContact>().copied(),
+                freedom: cloth.get::<Freedom>().copied(),
             },
             topology: cloth.get::<ClothTopology>()?.0.clone(),
             skin: cloth.get::<ClothSkin>()?.0.clone(),
@@ -89,6 +93,7 @@ impl SavedCloth {
             has_colliders: !cloth.get::<Contacts>()?.colliders.is_empty(),
             own: cloth.get().cloned(),
             anchors: cloth.get::<Anchors>()?.clone(),
+            places: cloth.get::<Armature>().map(|armature| armature.points.clone()),
             loads: cloth.get::<Loads>()?.clone(),
             plan: cloth.get::<StepPlan>()?.clone(),
             rest: *cloth.get()?,
@@ -119,6 +124,7 @@ impl SavedCloth {
             ("Pins", cloth.get::<Pins>() == saved.pins.as_ref()),
             ("Weights", cloth.get::<Weights>() == saved.weights.as_ref()),
             ("SelfContact", cloth.get::<SelfContact>() == saved.self_contact.as_ref()),
+            ("Freedom", cloth.get::<Freedom>() == saved.freedom.as_ref()),
         ];
         match same.into_iter().find(|(_, is_same)| !is_same) {
             Some((component, _)) => Err(RestoreError::OtherComponent { entity, component }),
@@ -143,7 +149,13 @@ impl SavedCloth {
         if cloth.get::<ClothTopology>().is_none_or(|now| !std::sync::Arc::ptr_eq(&now.0, &self.topology)) {
             cloth.insert(ClothTopology(self.topology.clone()));
         }
-        let skin = ClothSkin(self.skin.clone());
+        let mut skin = ClothSkin(self.skin.clone());
+        if let Some(now) = cloth.get::<ClothSkin>() {
+            skin.take_attributes(now);
+        }
+        if let (Some(mut armature), Some(places)) = (cloth.get_mut::<Armature>(), &self.places) {
+            armature.points.clone_from(places);
+        }
         #[cfg(feature = "render")]
         let skin = skin.with_hem(&self.topology);
         cloth.insert((

@@ -25,6 +25,7 @@ impl Born {
 }
 
 /// A render vertex that was not there before.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BornVertex {
     /// The two vertices it lies between; twice the same for a copy. Both have smaller numbers.

@@ -102,7 +102,7 @@ impl Topology {
             .collect();
         let (rest, area) = particles(&grid, place);
         let sides = hinge::sides(&triangles);
-        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &sides).unzip();
+        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &rest, &sides).unzip();
         let vertex = |slot: u32| slot / grid.stride * grid.columns + slot % grid.stride;
         Self {
             triangle_vertices: triangles.iter().map(|triangle| triangle.map(vertex)).collect(),
@@ -114,6 +114,9 @@ impl Topology {
             vertex_particle: (0..grid.rows)
                 .flat_map(|row| (0..grid.columns).map(move |column| grid.slot(row, column)))
                 .collect(),
+            triangle_backs: Vec::new(),
+            joints: Vec::new(),
+            mended: Default::default(),
             grid: Some(grid),
             weave: None,
             original_triangles: triangles.len() as u32,

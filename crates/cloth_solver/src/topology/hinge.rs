@@ -47,17 +47,76 @@ pub(super) fn direction(triangles: &[[u32; 3]], side: &Side) -> [u32; 2] {
 }
 
 /// The hinges, as [`Topology::hinges`] holds them, each with the triangles of `c` and of `d`; in the order of the
-/// edges. `c` belongs to the triangle that comes first.
-///
-/// Two triangles on the same three particles, back to back, have no hinge: there is no second particle to turn.
-pub(super) fn hinges(triangles: &[[u32; 3]], sides: &[Side]) -> impl Iterator<Item = ([u32; 4], [u32; 2])> {
-    by_edge(sides).filter_map(|shared| match shared {
-        [first, second] if first.opposite != second.opposite => {
-            let [a, b] = direction(triangles, first);
-            Some(([a, b, first.opposite, second.opposite], [first.triangle, second.triangle]))
-        }
-        _ => None,
+/// edges. `c` belongs to the triangle that comes first. `rest` is the place of each particle.
+pub(super) fn hinges(
+    triangles: &[[u32; 3]],
+    rest: &[Vec3],
+    sides: &[Side],
+) -> impl Iterator<Item = ([u32; 4], [u32; 2])> {
+    by_edge(sides).flat_map(move |shared| pairs(shared, rest)).map(move |[first, second]| {
+        let [a, b] = direction(triangles, &first);
+        ([a, b, first.opposite, second.opposite], [first.triangle, second.triangle])
     })
+}
+
+/// Which triangles bend against each other over the edge whose sides these are. Of three and more those two that go on
+/// straightest, or of equally straight ones the first, then the next two; one may be left, which swings freely.
+pub(super) fn pairs(shared: &[Side], rest: &[Vec3]) -> impl Iterator<Item = [Side; 2]> + use<> {
+    let two = if let [first, second] = shared { Some([*first, *second]) } else { None };
+    let several = if shared.len() > 2 { straightest(shared, rest) } else { Vec::new() };
+    two.into_iter().chain(several)
+}
+
+fn straightest(shared: &[Side], rest: &[Vec3]) -> Vec<[Side; 2]> {
+    /// Cosines that differ by less are equally straight: a pocket that lies on its shirt goes on as that does.
+    const ALIKE: f32 = 1e-3;
+    let [a, b] = shared[0].edge.map(|end| rest[end as usize]);
+    let along = (b - a).normalize_or_zero();
+    let mut left: Vec<(Side, Vec3)> = (shared.iter())
+        .map(|side| (*side, (rest[side.opposite as usize] - a).reject_from(along).normalize_or_zero()))
+        .collect();
+    let mut pairs = Vec::new();
+    while left.len() > 1 {
+        let mut best = (0, 1, f32::INFINITY);
+        for i in 0..left.len() {
+            for k in i + 1..left.len() {
+                let cosine = left[i].1.dot(left[k].1);
+                if cosine < best.2 - ALIKE {
+                    best = (i, k, cosine);
+                }
+            }
+        }
+        let second = left.remove(best.1).0;
+        pairs.push([left.remove(best.0).0, second]);
+    }
+    pairs
+}
+
+/// The particles at which several fans of triangles meet: those of one fan hang together by edges there.
+pub(super) fn joints(triangles: &[[u32; 3]], particles: usize, sides: &[Side]) -> Vec<u32> {
+    // Each corner of each triangle leads to another one of its fan, or to itself.
+    let mut leads: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+    let root = |leads: &[u32], mut at: u32| {
+        while leads[at as usize] != at {
+            at = leads[at as usize];
+        }
+        at
+    };
+    let corner_of = |side: &Side, end: u32| 3 * side.triangle + corner(triangles[side.triangle as usize], end) as u32;
+    for shared in by_edge(sides) {
+        for end in shared[0].edge {
+            for other in &shared[1..] {
+                let [a, b] = [&shared[0], other].map(|side| root(&leads, corner_of(side, end)));
+                leads[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    let mut fans = vec![0_u8; particles];
+    for (at, particle) in triangles.as_flattened().iter().enumerate() {
+        let fans = &mut fans[*particle as usize];
+        *fans = fans.saturating_add(u8::from(leads[at] == at as u32));
+    }
+    (0..particles as u32).filter(|particle| fans[*particle as usize] > 1).collect()
 }
 
 /// The angle between the triangles `a b c` and `b a d` over their edge `a b`, rad, in −π..=π: 0 flat, positive where

@@ -1,8 +1,11 @@
 //! Any triangle mesh.
 
+use std::borrow::Cow;
+
 use glam::{DVec2, DVec3, Mat2, Vec2, Vec3};
 
 use super::grid::TAIL;
+use super::mend::{Mended, Sound, mend};
 use super::{Topology, hinge, orient::orient, weld::weld};
 use crate::ClothError;
 use crate::lanes::LANES;
@@ -27,42 +30,59 @@ pub struct MeshSource<'a> {
 
 impl Topology {
     /// A cloth from any triangle mesh; vertices at the same place (within 1e-6 of the bounding box's diagonal) are
-    /// welded into one particle. Triangle `i` of the cloth is triangle `i` of the mesh.
+    /// welded into one particle. Triangle `i` of the cloth is triangle `i` of the mesh, if nothing had to be mended.
     ///
     /// - Particles are numbered in the order in which triangles use them first, which keeps neighbours close in memory.
     /// - Triangles wound against their neighbours are turned over, see [`Topology::hinges`]. A Möbius strip keeps one
     ///   seam where no winding agrees; its hinges there take the front of the triangle that comes first.
     /// - The warp of a triangle runs along the gradient of v. Where texture coordinates are missing or degenerate it is
     ///   the y axis, or for triangles flatter than 45° the z axis, projected on the triangle.
+    /// - What is wrong with a mesh and can be put right is mended, and told by [`Topology::mended`].
     ///
     /// # Errors
-    /// If the index list is no triangle list, names vertices that do not exist or leaves vertices out; if a position is
-    /// not finite; if a triangle has no area once welded; if an edge belongs to more than two triangles.
+    /// If the index list is no triangle list or names vertices that do not exist; if the position of a vertex that is used is
+    /// not finite; if no triangle has an area once vertices are welded.
     pub fn from_mesh(source: MeshSource<'_>) -> Result<Self, ClothError> {
-        validate(&source)?;
-        let tolerance = WELD_TOLERANCE * diagonal(source.positions)?;
-        let first = weld(source.positions, tolerance);
+        let used = validate(&source)?;
+        let mut mended =
+            Mended { unused_vertices: used.iter().filter(|used| !**used).count() as u32, ..Mended::default() };
+        let positions = used_positions(source.positions, &used);
+        let tolerance = WELD_TOLERANCE * diagonal(&positions)?;
+        let first = weld(&positions, tolerance);
         let (corners, _) = source.indices.as_chunks::<3>();
-        for (triangle, corners) in corners.iter().enumerate() {
-            check_area(triangle, corners.map(|v| source.positions[first[v as usize] as usize].as_dvec3()), tolerance)?;
+        let Sound { vertices: mut triangle_vertices, backs } =
+            mend(corners, &positions, &first, tolerance, &mut mended);
+        if triangle_vertices.is_empty() {
+            let place = |vertex: u32| positions[first[vertex as usize] as usize].as_dvec3();
+            return Err(degenerate(corners[0].map(place), tolerance));
         }
-        let (vertex_particle, vertices) = particles_by_first_use(&first, source.indices);
-        let mut triangles: Vec<[u32; 3]> =
-            corners.iter().map(|corners| corners.map(|v| vertex_particle[v as usize])).collect();
+        let (particle, vertices) = particles_by_first_use(&first, triangle_vertices.as_flattened());
+        let mut triangles: Vec<[u32; 3]> = (triangle_vertices.iter())
+            .map(|corners| corners.map(|v| particle[v as usize].unwrap_or_default()))
+            .collect();
+        let mut rest: Vec<Vec3> = vertices.iter().map(|v| positions[*v as usize]).collect();
         let sides = hinge::sides(&triangles);
-        if let Some(shared) = hinge::by_edge(&sides).find(|shared| shared.len() > 2) {
-            let [a, b] = shared[0].edge.map(|particle| vertices[particle as usize]);
-            return Err(ClothError::NonManifoldEdge { a, b, triangles: shared.len() });
-        }
-        let mut triangle_vertices = corners.to_vec();
-        orient(&mut triangles, &mut triangle_vertices, &sides);
-
-        let mut rest: Vec<Vec3> = vertices.iter().map(|v| source.positions[*v as usize]).collect();
-        let warps = corners.iter().map(|corners| uv_warp(&source, *corners));
+        mended.shared_edges = hinge::by_edge(&sides).filter(|shared| shared.len() > 2).count() as u32;
+        let mut triangle_backs = if backs.is_empty() { Vec::new() } else { triangle_vertices.clone() };
+        let twins = backs.iter().enumerate().filter_map(|(triangle, back)| Some((triangle, (*back)?)));
+        twins.for_each(|(triangle, back)| triangle_backs[triangle] = back);
+        orient(&mut triangles, &rest, &sides, |triangle| {
+            triangle_vertices[triangle].swap(1, 2);
+            if let Some(back) = triangle_backs.get_mut(triangle) {
+                back.swap(1, 2);
+            }
+            if backs.get(triangle).is_some_and(Option::is_some) {
+                // The double is wound as the others are.
+                core::mem::swap(&mut triangle_vertices[triangle], &mut triangle_backs[triangle]);
+            } else {
+                mended.turned_triangles += 1;
+            }
+        });
+        let warps = triangle_vertices.iter().map(|corners| uv_warp(&source, *corners));
         let triangle_rest: Vec<Mat2> = (triangles.iter().zip(warps))
             .map(|(triangle, warp)| flattened(triangle.map(|p| rest[p as usize].as_dvec3()), warp))
             .collect();
-        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &sides).unzip();
+        let (hinges, hinge_triangles): (Vec<_>, Vec<_>) = hinge::hinges(&triangles, &rest, &sides).unzip();
         let angle = |hinge: &[u32; 4]| {
             let [a, b, c, d] = hinge.map(|p| rest[p as usize]);
             hinge::hinge_angle(a, b, c, d)
@@ -72,9 +92,11 @@ impl Topology {
         for (triangle, at_rest) in triangles.iter().zip(&triangle_rest) {
             triangle.iter().for_each(|p| area[*p as usize] += at_rest.determinant() / 6.0);
         }
+        let joints = hinge::joints(&triangles, rest.len(), &sides);
         let slots = rest.len().next_multiple_of(LANES) + TAIL;
         rest.resize(slots, rest.last().copied().unwrap_or_default());
         area.resize(slots, 0.0);
+        let no_particle = slots as u32 - 1;
         Ok(Self {
             edges: hinge::by_edge(&sides).map(|shared| shared[0].edge).collect(),
             free: slots as u32,
@@ -84,18 +106,24 @@ impl Topology {
             area,
             triangles,
             triangle_vertices,
+            triangle_backs,
             triangle_rest,
             hinges,
             hinge_triangles,
             hinge_rest,
-            vertex_particle,
+            vertex_particle: (particle.iter().zip(&used).zip(source.positions.iter().zip(positions.iter())))
+                .map(|((particle, used), (given, taken))| particle.filter(|_| *used || given == taken))
+                .map(|particle| particle.unwrap_or(no_particle))
+                .collect(),
+            joints,
+            mended,
             grid: None,
         })
     }
 }
 
-/// What can be said without looking at the geometry.
-fn validate(source: &MeshSource<'_>) -> Result<(), ClothError> {
+/// What can be said without looking at the geometry; which vertices are used.
+fn validate(source: &MeshSource<'_>) -> Result<Vec<bool>, ClothError> {
     let MeshSource { positions, uvs, indices } = source;
     if indices.is_empty() {
         return Err(ClothError::NoTriangles { field: "MeshSource::indices" });
@@ -107,9 +135,6 @@ fn validate(source: &MeshSource<'_>) -> Result<(), ClothError> {
         let [field, allowed] = ["MeshSource::uvs.len()", "0 or the number of vertices"];
         return Err(ClothError::OutOfRange { field, value: uvs.len() as f32, allowed });
     }
-    if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
-        return Err(ClothError::VertexNotFinite { vertex, position: positions[vertex] });
-    }
     let vertices = positions.len();
     let mut used = vec![false; vertices];
     for (i, index) in indices.iter().enumerate() {
@@ -118,7 +143,24 @@ fn validate(source: &MeshSource<'_>) -> Result<(), ClothError> {
         };
         *used = true;
     }
-    used.iter().position(|used| !used).map_or(Ok(()), |vertex| Err(ClothError::LoneVertex { vertex }))
+    let is_wrong = |vertex: &usize| used[*vertex] && !positions[*vertex].is_finite();
+    match (0..vertices).find(is_wrong) {
+        Some(vertex) => Err(ClothError::VertexNotFinite { vertex, position: positions[vertex] }),
+        None => Ok(used),
+    }
+}
+
+/// The positions, those of unused vertices replaced by that of a used one where they are not finite or beyond all that is used:
+/// nothing about the cloth depends on them.
+fn used_positions<'a>(positions: &'a [Vec3], used: &[bool]) -> Cow<'a, [Vec3]> {
+    let of_used = || positions.iter().zip(used).filter(|(_, used)| **used).map(|(position, _)| *position);
+    let (min, max) = of_used().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
+    let is_inside = |p: &Vec3| p.cmpge(min).all() && p.cmple(max).all();
+    if positions.iter().all(is_inside) {
+        return Cow::Borrowed(positions);
+    }
+    let any = of_used().next().unwrap_or_default();
+    Cow::Owned(positions.iter().map(|p| if is_inside(p) { *p } else { any }).collect())
 }
 
 /// The diagonal of the bounding box, m.
@@ -130,21 +172,17 @@ fn diagonal(positions: &[Vec3]) -> Result<f64, ClothError> {
     Ok(diagonal)
 }
 
-/// Refuses a triangle that is nowhere higher than `tolerance`, m.
-fn check_area(triangle: usize, [a, b, c]: [DVec3; 3], tolerance: f64) -> Result<(), ClothError> {
-    let area = 0.5 * (b - a).cross(c - a).length();
+/// The error for a mesh that has no triangle higher than `tolerance`, m, told of its first one.
+fn degenerate([a, b, c]: [DVec3; 3], tolerance: f64) -> ClothError {
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+    let area = 0.5 * (b - a).cross(c - a).length();
     // Two corners welded together have no length either, so the longest side alone would allow anything.
     let smallest = 0.5 * longest.max(tolerance) * tolerance;
-    if area > smallest {
-        Ok(())
-    } else {
-        Err(ClothError::DegenerateTriangle { triangle, area: area as f32, smallest: smallest as f32 })
-    }
+    ClothError::DegenerateTriangle { triangle: 0, area: area as f32, smallest: smallest as f32 }
 }
 
-/// The particle of each vertex, and the vertex that stands for each particle.
-fn particles_by_first_use(first: &[u32], indices: &[u32]) -> (Vec<u32>, Vec<u32>) {
+/// The particle of each vertex, if it has one, and the vertex that stands for each particle.
+fn particles_by_first_use(first: &[u32], indices: &[u32]) -> (Vec<Option<u32>>, Vec<u32>) {
     let mut particle = vec![None; first.len()];
     let mut vertices = Vec::new();
     for index in indices {
@@ -154,8 +192,7 @@ fn particles_by_first_use(first: &[u32], indices: &[u32]) -> (Vec<u32>, Vec<u32>
             vertices.len() as u32 - 1
         });
     }
-    // Every vertex is used by a triangle, so the vertex it was welded to has a particle.
-    (first.iter().map(|vertex| particle[*vertex as usize].unwrap_or_default()).collect(), vertices)
+    (first.iter().map(|vertex| particle[*vertex as usize]).collect(), vertices)
 }
 
 /// The direction up which v falls fastest in the mesh's triangle `corners` (in a texture v runs down, in a grid of
@@ -221,6 +258,7 @@ mod tests {
         assert_eq!((one.particle_count(), one.edges.len(), one.hinges.len()), (3, 3, 0));
         let doubled = mesh(&SQUARE[..3], &[], &[0, 1, 2, 2, 1, 0]).unwrap();
         assert_eq!((doubled.particle_count(), doubled.edges.len(), doubled.hinges.len()), (3, 3, 0));
+        assert_eq!((doubled.triangles.len(), doubled.mended.doubled_triangles), (1, 1));
     }
 
     #[test]
@@ -275,7 +313,6 @@ mod tests {
         assert!(matches!(mesh(&SQUARE, &[], &TWO[..5]), Err(ClothError::NotTriangleList { .. })));
         let outside = mesh(&SQUARE, &[], &[0, 1, 2, 0, 2, 4]);
         assert_eq!(outside, Err(ClothError::IndexOutOfRange { triangle: 1, index: 4, vertices: 4 }));
-        assert_eq!(mesh(&SQUARE, &[], &TWO[..3]), Err(ClothError::LoneVertex { vertex: 3 }));
         let mut nan = SQUARE;
         nan[2][1] = f32::NAN;
         assert!(matches!(mesh(&nan, &[], &TWO), Err(ClothError::VertexNotFinite { vertex: 2, .. })));
@@ -286,21 +323,46 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_without_area_is_refused_once_welded() {
-        let degenerate = |fourth: [f32; 3]| {
-            let positions = [SQUARE[0], SQUARE[1], SQUARE[2], fourth];
-            mesh(&positions, &[], &TWO)
-        };
+    fn a_triangle_without_area_is_left_out_and_a_mesh_without_any_other_refused() {
         for fourth in [SQUARE[2], [0.5, 0.5, 0.0], [1.0, 1.0, 1e-6], [0.3, 0.3, 5e-7]] {
-            let found = degenerate(fourth);
-            assert!(matches!(found, Err(ClothError::DegenerateTriangle { triangle: 1, .. })), "{fourth:?}");
+            let mended = mesh(&[SQUARE[0], SQUARE[1], SQUARE[2], fourth], &[], &TWO).unwrap();
+            assert_eq!(mended.mended, Mended { flat_triangles: 1, ..Mended::default() }, "{fourth:?}");
+            assert!(mended.triangle_rest.iter().all(|rest| rest.determinant() > 0.0));
+            let refused = mesh(&[SQUARE[0], SQUARE[1], SQUARE[2], fourth], &[], &TWO[3..]);
+            assert!(matches!(refused, Err(ClothError::DegenerateTriangle { triangle: 0, .. })), "{fourth:?}");
         }
-        assert!(degenerate([0.5, 0.5, 1e-3]).is_ok());
-        assert!(matches!(mesh(&SQUARE, &[], &[0, 1, 2, 2, 2, 3]), Err(ClothError::DegenerateTriangle { .. })));
+        assert!(mesh(&[SQUARE[0], SQUARE[1], SQUARE[2], [0.5, 0.5, 1e-3]], &[], &TWO).unwrap().mended.is_nothing());
+        assert_eq!(mesh(&SQUARE, &[], &[0, 1, 2, 2, 2, 3]).unwrap().mended.flat_triangles, 1);
     }
 
     #[test]
-    fn an_edge_of_three_triangles_is_named_by_the_vertices_of_the_mesh() {
+    fn an_unused_vertex_keeps_its_number_and_has_no_particle_unless_it_stands_on_one() {
+        for lone in [[0.5, 0.5, 0.0], [9.0, 0.0, 0.0], [f32::NAN; 3], [1e30; 3]] {
+            let positions = [lone, SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[3], SQUARE[3]];
+            let mended = mesh(&positions, &[], &TWO.map(|i| i + 1)).unwrap();
+            assert_eq!(mended.mended, Mended { unused_vertices: 2, ..Mended::default() });
+            assert!(!mended.is_particle(mended.vertex_particle[0]));
+            assert_eq!(mended.vertex_particle[1..], [0, 1, 2, 3, 3]);
+            assert_eq!(mended.rest[..4], SQUARE.map(Vec3::from));
+        }
+    }
+
+    #[test]
+    fn the_first_double_is_the_back_even_where_it_comes_first() {
+        // Two triangles, each with a double of other vertices wound the other way; of the second the double comes first.
+        let positions: Vec<[f32; 3]> = SQUARE.into_iter().chain(SQUARE).collect();
+        let doubled = mesh(&positions, &[], &[0, 1, 2, 4, 7, 6, 4, 6, 5, 0, 2, 3]).unwrap();
+        assert_eq!(doubled.mended, Mended { doubled_triangles: 2, ..Mended::default() });
+        let (fronts, backs) = (&doubled.triangle_vertices, &doubled.triangle_backs);
+        assert!(fronts.as_flattened().iter().all(|vertex| *vertex < 4) && fronts.len() == 2);
+        for (front, back) in fronts.iter().zip(backs) {
+            assert_eq!(front.map(|vertex| vertex + 4), *back);
+        }
+        assert_eq!(doubled.hinges.len(), 1);
+    }
+
+    #[test]
+    fn over_an_edge_of_three_triangles_those_two_bend_that_go_on_straightest() {
         // Vertex 0 is unlike particle 0, and 4 and 5 double 1 and 2.
         let positions = [
             [9.0, 9.0, 9.0],
@@ -312,7 +374,14 @@ mod tests {
             [0.5, 0.0, 1.0],
             [0.5, -1.0, 0.0],
         ];
-        let found = mesh(&positions, &[], &[3, 1, 2, 4, 5, 6, 1, 2, 7, 0, 3, 6]);
-        assert_eq!(found, Err(ClothError::NonManifoldEdge { a: 1, b: 2, triangles: 3 }));
+        let made = mesh(&positions, &[], &[3, 1, 2, 4, 5, 6, 1, 2, 7, 0, 3, 6]).unwrap();
+        let of = |vertex: u32| made.vertex_particle[vertex as usize];
+        let seam: Vec<_> = (made.hinges.iter().zip(&made.hinge_triangles))
+            .filter(|([a, b, ..], _)| [*a.min(b), *a.max(b)] == [of(1).min(of(2)), of(1).max(of(2))])
+            .map(|([_, _, c, d], triangles)| ([*c, *d], *triangles))
+            .collect();
+        assert_eq!(seam, [([of(3), of(7)], [0, 2])]);
+        assert_eq!(made.mended.shared_edges, 1);
+        assert_eq!(made.edges.iter().filter(|edge| edge.contains(&of(1)) && edge.contains(&of(2))).count(), 1);
     }
 }

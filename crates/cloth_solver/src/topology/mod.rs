@@ -5,6 +5,7 @@ pub(crate) mod curvature;
 mod grid;
 mod hinge;
 mod lines;
+mod mend;
 mod mesh;
 mod orient;
 mod pieces;
@@ -20,6 +21,7 @@ pub(crate) use curvature::{Curvature, curvatures};
 pub use grid::Resolution;
 pub(crate) use hinge::hinge_angle;
 pub(crate) use lines::{Along, Thread, regular_runs, threads};
+pub use mend::Mended;
 pub use mesh::MeshSource;
 pub use pieces::Pieces;
 pub(crate) use strip::strips;
@@ -76,18 +78,27 @@ pub struct Topology {
     pub triangle_rest: Vec<Mat2>,
     /// Render vertices of each triangle, corner by corner.
     pub triangle_vertices: Vec<[u32; 3]>,
+    /// Render vertices of the back of each triangle, corner by corner, where a mesh has another triangle there that is wound the
+    /// other way; as in `triangle_vertices` where it has not. Empty if there is none.
+    pub triangle_backs: Vec<[u32; 3]>,
     /// Every edge of the triangles once, `a < b`.
     pub edges: Vec<[u32; 2]>,
     /// Pairs of triangles over an inner edge: `[a, b, c, d]`, edge `a b`, `c` and `d` opposite to it. The triangle of
     /// `c` runs `a → b`, the one of `d` runs `b → a`, except across the seam of a one-sided surface, where both run
-    /// `a → b`. Two triangles on the same three particles have no hinge.
+    /// `a → b`. Over an edge of three and more triangles those two bend that go on straightest, then the next two.
     pub hinges: Vec<[u32; 4]>,
     /// The triangles of each hinge: that of `c`, that of `d`.
     pub hinge_triangles: Vec<[u32; 2]>,
     /// Rest angle of each hinge, rad: 0 flat, positive where the front faces turn away from each other.
     pub hinge_rest: Vec<f32>,
-    /// For each render vertex the particle it follows. Several vertices at one place (a UV seam) follow one particle.
+    /// For each render vertex the particle it follows. Several vertices at one place (a UV seam) follow one particle. A vertex
+    /// that no triangle uses has a slot here that is no particle.
     pub vertex_particle: Vec<u32>,
+    /// Particles at which fans of triangles meet that share no edge there, in ascending order. They stay together until something is
+    /// torn or cut at that very place.
+    pub(crate) joints: Vec<u32>,
+    /// What was wrong with the mesh it was made of, and was mended.
+    pub mended: Mended,
     /// The rectangle's rows and columns, if it is one, or was before it was taken apart.
     pub grid: Option<Grid>,
     /// What is left of the rectangle, once it was taken apart.
@@ -109,11 +120,14 @@ impl Topology {
                 triangles: with_room(&shared.triangles),
                 triangle_rest: with_room(&shared.triangle_rest),
                 triangle_vertices: with_room(&shared.triangle_vertices),
+                triangle_backs: with_room(&shared.triangle_backs),
                 edges: with_room(&shared.edges),
                 hinges: with_room(&shared.hinges),
                 hinge_triangles: with_room(&shared.hinge_triangles),
                 hinge_rest: with_room(&shared.hinge_rest),
                 vertex_particle: with_room(&shared.vertex_particle),
+                joints: shared.joints.clone(),
+                mended: shared.mended,
                 grid: shared.grid,
                 weave: shared.weave.clone(),
                 original_triangles: shared.original_triangles,

@@ -1,13 +1,15 @@
 //! One front: windings that agree from triangle to triangle.
 
-use super::hinge::{Side, by_edge, corner, direction};
+use glam::Vec3;
 
-/// Turns triangles over, and their render vertices with them, until neighbours run their common edge in opposite
-/// directions. Each connected piece keeps the winding that most of its triangles have, on a tie that of its first one.
+use super::hinge::{Side, by_edge, corner, direction, pairs};
+
+/// Turns triangles over until neighbours run their common edge in opposite directions; `turn` is told of each. Each
+/// connected piece keeps the winding that most of its triangles have, on a tie that of its first one.
 ///
 /// A one-sided surface (a Möbius strip) has no such windings: there, some edges stay where the front meets the back.
-pub(super) fn orient(triangles: &mut [[u32; 3]], vertices: &mut [[u32; 3]], sides: &[Side]) {
-    let links = links(triangles, sides);
+pub(super) fn orient(triangles: &mut [[u32; 3]], rest: &[Vec3], sides: &[Side], mut turn: impl FnMut(usize)) {
+    let links = links(triangles, rest, sides);
     let mut turned: Vec<Option<bool>> = vec![None; triangles.len()];
     let mut piece = Vec::new();
     for start in 0..triangles.len() {
@@ -32,18 +34,17 @@ pub(super) fn orient(triangles: &mut [[u32; 3]], vertices: &mut [[u32; 3]], side
         let minority = turned_count * 2 <= piece.len();
         for (triangle, _) in piece.iter().filter(|(_, is_turned)| *is_turned == minority) {
             triangles[*triangle].swap(1, 2);
-            vertices[*triangle].swap(1, 2);
+            turn(*triangle);
         }
     }
 }
 
 /// For each triangle its neighbours, by the corner opposite to the common edge, and whether both run that edge in the
 /// same direction.
-fn links(triangles: &[[u32; 3]], sides: &[Side]) -> Vec<[Option<(u32, bool)>; 3]> {
+fn links(triangles: &[[u32; 3]], rest: &[Vec3], sides: &[Side]) -> Vec<[Option<(u32, bool)>; 3]> {
     let mut links = vec![[None; 3]; triangles.len()];
-    for shared in by_edge(sides) {
-        let [first, second] = shared else { continue };
-        let disagrees = direction(triangles, first) == direction(triangles, second);
+    for [first, second] in by_edge(sides).flat_map(|shared| pairs(shared, rest)) {
+        let disagrees = direction(triangles, &first) == direction(triangles, &second);
         for (side, other) in [(first, second), (second, first)] {
             let triangle = side.triangle as usize;
             links[triangle][corner(triangles[triangle], side.opposite)] = Some((other.triangle, disagrees));
@@ -60,7 +61,8 @@ mod tests {
     fn oriented(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
         let sides = sides(&triangles);
         let mut vertices = triangles.clone();
-        orient(&mut triangles, &mut vertices, &sides);
+        // No edge has three triangles, so that no place is looked at.
+        orient(&mut triangles, &[], &sides, |triangle| vertices[triangle].swap(1, 2));
         assert_eq!(vertices, triangles);
         triangles
     }

@@ -53,18 +53,27 @@ impl Topology {
             }
             (*taken, stand[p]) = (p as u32, at);
         }
-        let corner_vertices = self.corner_vertices(&grid, &stand)?;
+        let corner_vertices = self.corner_vertices(&grid, &stand, &self.triangle_vertices)?;
         let slot = |p: u32| grid.slot(stand[p as usize].y, stand[p as usize].x);
         let mut made =
             Self::woven(grid, |row, column| self.rest[particle[(row * grid.columns + column) as usize] as usize]);
-        made.vertex_particle = self.vertex_particle.iter().map(|p| slot(*p)).collect();
-        made.triangle_vertices = (grid.cells().zip(&corner_vertices))
-            .flat_map(|((row, column), vertices)| {
-                let corners = grid.cell(row, column);
-                let vertex = move |slot: u32| vertices[corners.iter().position(|c| *c == slot).unwrap_or_default()];
-                cell_triangles(&grid, row, column).map(|triangle| triangle.map(vertex))
-            })
-            .collect();
+        let no_particle = made.padding();
+        made.vertex_particle =
+            (self.vertex_particle.iter()).map(|p| if (*p as usize) < count { slot(*p) } else { no_particle }).collect();
+        let drawn = |corner_vertices: &[[u32; 4]]| {
+            (grid.cells().zip(corner_vertices))
+                .flat_map(|((row, column), vertices)| {
+                    let corners = grid.cell(row, column);
+                    let vertex = move |slot: u32| vertices[corners.iter().position(|c| *c == slot).unwrap_or_default()];
+                    cell_triangles(&grid, row, column).map(|triangle| triangle.map(vertex))
+                })
+                .collect()
+        };
+        made.triangle_vertices = drawn(&corner_vertices);
+        if !self.triangle_backs.is_empty() {
+            made.triangle_backs = drawn(&self.corner_vertices(&grid, &stand, &self.triangle_backs)?);
+        }
+        made.mended = self.mended;
         Some(made)
     }
 
@@ -87,14 +96,14 @@ impl Topology {
         (1..self.triangles.len()).all(|t| along(axes(t))).then(|| self.particles().map(place).collect())
     }
 
-    /// The render vertices at the corners of each cell, as [`Grid::cell`] has them; `None` if a triangle reaches over several
+    /// Those of the render vertices `drawn` of each triangle at the corners of each cell, as [`Grid::cell`] has them; `None` if a triangle reaches over several
     /// cells, a cell is not covered by two of them, or a seam runs through it.
-    fn corner_vertices(&self, grid: &Grid, stand: &[UVec2]) -> Option<Vec<[u32; 4]>> {
+    fn corner_vertices(&self, grid: &Grid, stand: &[UVec2], drawn: &[[u32; 3]]) -> Option<Vec<[u32; 4]>> {
         let across = grid.columns - 1;
         let cells = (across * (grid.rows - 1)) as usize;
         let mut vertices = vec![[NONE; 4]; cells];
         let mut triangles = vec![0; cells];
-        for (corners, drawn) in self.triangles.iter().zip(&self.triangle_vertices) {
+        for (corners, drawn) in self.triangles.iter().zip(drawn) {
             let at = corners.map(|p| stand[p as usize]);
             let [low, high] = [at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2])];
             if high - low != UVec2::ONE {

@@ -15,6 +15,7 @@ pub(super) fn take_out(topology: &mut Topology, removed: &[bool]) {
     retain(&mut topology.triangles, removed);
     retain(&mut topology.triangle_vertices, removed);
     retain(&mut topology.triangle_rest, removed);
+    retain(&mut topology.triangle_backs, removed);
     let mut left = 0;
     let number: Vec<u32> = (removed.iter())
         .map(|removed| {
@@ -75,7 +76,7 @@ pub(super) fn edges(topology: &mut Topology, is_touched: &[bool]) {
     retain(&mut topology.hinge_triangles, &gone);
     retain(&mut topology.hinge_rest, &gone);
     let (rest, is_flat) = (&topology.rest, topology.grid.is_some());
-    for (hinge, sharing) in hinge::hinges(triangles, &sides) {
+    for (hinge, sharing) in hinge::hinges(triangles, rest, &sides) {
         let [a, b, c, d] = hinge.map(|slot| rest[slot as usize]);
         topology.hinges.push(hinge);
         topology.hinge_triangles.push(sharing);

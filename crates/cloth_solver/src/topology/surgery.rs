@@ -1,7 +1,7 @@
 //! Taking a topology apart: dividing triangles, parting the fans of vertices, taking triangles out.
 //!
-//! After each operation is finished every edge has at most two triangles and every particle one fan of them: a particle
-//! whose triangles no longer hang together by edges is parted, too.
+//! After each operation is finished every particle has one fan of triangles: a particle whose triangles no longer hang together by
+//! edges is parted, too. But where fans met in one particle from the beginning, they do until it is parted there.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -117,26 +117,20 @@ impl<'a> Surgery<'a> {
     ) {
         let rest = self.topology.triangle_rest[triangle];
         let flat = [Vec2::ZERO, rest.x_axis, rest.y_axis];
+        let has_backs = !self.topology.triangle_backs.is_empty();
         let corner = |this: &Self, i: usize| Point {
             slot: this.topology.triangles[triangle][i % 3],
             vertex: this.topology.triangle_vertices[triangle][i % 3],
+            back: if has_backs { this.topology.triangle_backs[triangle][i % 3] } else { NONE },
             flat: flat[i % 3],
         };
         let points: Vec<Point> = crossed
             .iter()
             .map(|&(side, (slot, t))| {
                 let (a, b) = (corner(self, side), corner(self, side + 1));
-                let (low, high, along) =
-                    if a.vertex < b.vertex { (a.vertex, b.vertex, t) } else { (b.vertex, a.vertex, 1.0 - t) };
-                let vertex = match vertices.get(&[low, high]) {
-                    Some(vertex) => *vertex,
-                    None => {
-                        let vertex = self.bear_vertex([low, high], along, slot);
-                        vertices.insert([low, high], vertex);
-                        vertex
-                    }
-                };
-                Point { slot, vertex, flat: a.flat.lerp(b.flat, t) }
+                let vertex = self.vertex_between([a.vertex, b.vertex], t, slot, vertices);
+                let back = if has_backs { self.vertex_between([a.back, b.back], t, slot, vertices) } else { NONE };
+                Point { slot, vertex, back, flat: a.flat.lerp(b.flat, t) }
             })
             .collect();
         let parts: Vec<[Point; 3]> = match (crossed, points.as_slice()) {
@@ -164,7 +158,13 @@ impl<'a> Surgery<'a> {
                 self.topology.triangle_vertices[triangle] = drawn;
                 self.topology.triangle_rest[triangle] = rest;
                 self.halves[triangle] = NONE;
+                if has_backs {
+                    self.topology.triangle_backs[triangle] = part.map(|p| p.back);
+                }
             } else {
+                if has_backs {
+                    self.topology.triangle_backs.push(part.map(|p| p.back));
+                }
                 self.topology.triangles.push(slots);
                 self.topology.triangle_vertices.push(drawn);
                 self.topology.triangle_rest.push(rest);
@@ -172,6 +172,23 @@ impl<'a> Surgery<'a> {
                 self.change.triangles.push(source);
             }
         }
+    }
+
+    /// The vertex between two others, the same for all triangles that have these two.
+    fn vertex_between(
+        &mut self,
+        [a, b]: [u32; 2],
+        t: f32,
+        particle: u32,
+        vertices: &mut HashMap<[u32; 2], u32>,
+    ) -> u32 {
+        let (low, high, along) = if a < b { (a, b, t) } else { (b, a, 1.0 - t) };
+        if let Some(vertex) = vertices.get(&[low, high]) {
+            return *vertex;
+        }
+        let vertex = self.bear_vertex([low, high], along, particle);
+        vertices.insert([low, high], vertex);
+        vertex
     }
 
     /// The triangles around a particle, in ascending order.
@@ -227,7 +244,13 @@ impl<'a> Surgery<'a> {
             self.fans.insert(*slot, left);
         }
         self.touched.extend(&around);
+        around.retain(|slot| !self.is_joint(*slot));
         self.part_all(around, |_, _, _| false);
+    }
+
+    /// Whether fans met at `slot` from the beginning.
+    fn is_joint(&self, slot: u32) -> bool {
+        self.topology.joints.binary_search(&slot).is_ok()
     }
 
     /// Parts the fan of each of `slots` where `between` says that two of its triangles that share an edge part, and then
@@ -239,12 +262,18 @@ impl<'a> Surgery<'a> {
         let groups: Vec<Vec<Vec<u32>>> = slots.iter().map(|slot| self.groups(*slot, &between)).collect();
         let mut waiting = Vec::new();
         for (slot, groups) in slots.into_iter().zip(groups) {
+            if let Ok(at) = self.topology.joints.binary_search(&slot) {
+                self.topology.joints.remove(at);
+            }
             self.part(slot, groups, &mut waiting);
         }
         // What is left in one piece by them may have come apart around its neighbours, each of which was named many times.
         waiting.sort_unstable();
         waiting.dedup();
         while let Some(slot) = waiting.pop() {
+            if self.is_joint(slot) {
+                continue;
+            }
             let groups = self.groups(slot, &|_: &Topology, _, _| false);
             self.part(slot, groups, &mut waiting);
         }
@@ -289,20 +318,28 @@ impl<'a> Surgery<'a> {
             let copy = self.bear([slot; 2], 0.0);
             let mut drawn: Vec<[u32; 2]> = Vec::new();
             for triangle in &group {
-                let at = hinge::corner(self.topology.triangles[*triangle as usize], slot);
-                let vertex = self.topology.triangle_vertices[*triangle as usize][at];
-                let known = drawn.iter().find(|[old, _]| *old == vertex).map(|[_, new]| *new);
-                let new = known.unwrap_or_else(|| {
-                    let new = self.bear_vertex([vertex; 2], 0.0, copy);
-                    drawn.push([vertex, new]);
-                    new
-                });
-                self.topology.triangles[*triangle as usize][at] = copy;
-                self.topology.triangle_vertices[*triangle as usize][at] = new;
+                let triangle = *triangle as usize;
+                let at = hinge::corner(self.topology.triangles[triangle], slot);
+                self.topology.triangles[triangle][at] = copy;
+                let vertex = self.topology.triangle_vertices[triangle][at];
+                self.topology.triangle_vertices[triangle][at] = self.copy_of(vertex, copy, &mut drawn);
+                if let Some(back) = self.topology.triangle_backs.get(triangle).map(|back| back[at]) {
+                    self.topology.triangle_backs[triangle][at] = self.copy_of(back, copy, &mut drawn);
+                }
             }
             self.fans.insert(copy, group);
         }
         self.fans.insert(slot, kept);
+    }
+
+    /// The copy of a vertex that follows `particle`, one for all triangles; `drawn` are those there are.
+    fn copy_of(&mut self, vertex: u32, particle: u32, drawn: &mut Vec<[u32; 2]>) -> u32 {
+        if let Some([_, new]) = drawn.iter().find(|[old, _]| *old == vertex) {
+            return *new;
+        }
+        let new = self.bear_vertex([vertex; 2], 0.0, particle);
+        drawn.push([vertex, new]);
+        new
     }
 
     /// Brings everything that follows from the triangles up to date, and tells what changed; `None` if nothing did.
@@ -336,6 +373,8 @@ impl<'a> Surgery<'a> {
 struct Point {
     slot: u32,
     vertex: u32,
+    /// Of the back, if it has vertices of its own.
+    back: u32,
     /// In the triangle's weft and warp coordinates, m.
     flat: Vec2,
 }

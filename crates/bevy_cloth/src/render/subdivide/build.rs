@@ -35,9 +35,15 @@ impl Subdivision {
     /// Takes over another topology, keeping the allocations.
     pub fn rebuild(&mut self, topology: &Topology) {
         self.coarse = topology.vertex_particle.len();
-        let (edge_of_side, boundary) = self.find_edges(topology);
+        let own_backs = own_backs(topology);
+        let drawn: Vec<([u32; 3], [u32; 3])> = (topology.triangles.iter().zip(&topology.triangle_vertices))
+            .chain(own_backs.iter().map(|at| (&topology.triangles[*at], &topology.triangle_backs[*at])))
+            .map(|(particles, vertices)| (*particles, *vertices))
+            .collect();
+        let (edge_of_side, boundary) = self.find_edges(topology, &drawn);
         self.find_rims(topology, &boundary);
-        self.find_triangles(topology, &edge_of_side);
+        self.find_triangles(&drawn, &edge_of_side);
+        self.divide_backs(topology.triangles.len(), &own_backs);
         let vertices =
             self.coarse + self.edges.len() * (self.parts as usize - 1) + self.faces.len() * inside(self.parts).count();
         self.tangents.resize(self.rims.len(), Vec3::ZERO);
@@ -47,12 +53,12 @@ impl Subdivision {
     }
 
     /// Finds every edge. Tells the edge of each side of a triangle, and which edges are the boundary.
-    fn find_edges(&mut self, topology: &Topology) -> (Vec<u32>, Vec<u32>) {
-        let sides = 3 * topology.triangles.len();
+    fn find_edges(&mut self, topology: &Topology, drawn: &[([u32; 3], [u32; 3])]) -> (Vec<u32>, Vec<u32>) {
+        let (sides, of_front) = (3 * drawn.len(), 3 * topology.triangles.len() as u32);
         // Sorted by the first particle by counting, then the few that begin there by the second.
         let mut ends = vec![0_u32; topology.slots() + 1];
         let pair = |triangle: &[u32; 3], corner: usize| [triangle[corner], triangle[(corner + 1) % 3]];
-        for triangle in &topology.triangles {
+        for (triangle, _) in drawn {
             for corner in 0..3 {
                 let [a, b] = pair(triangle, corner);
                 ends[a.min(b) as usize + 1] += 1;
@@ -62,8 +68,7 @@ impl Subdivision {
             ends[low] += ends[low - 1];
         }
         let mut sorted = vec![Side::default(); sides];
-        for (triangle, (particles, vertices)) in topology.triangles.iter().zip(&topology.triangle_vertices).enumerate()
-        {
+        for (triangle, (particles, vertices)) in drawn.iter().enumerate() {
             for corner in 0..3 {
                 let [a, b] = pair(particles, corner);
                 let [first, second] = pair(vertices, corner);
@@ -81,7 +86,7 @@ impl Subdivision {
             begin = *end as usize;
             here.sort_unstable_by_key(|side| (side.high, side.vertices));
             for same in here.chunk_by(|a, b| a.high == b.high) {
-                if same.len() == 1 {
+                if same.iter().filter(|side| side.index < of_front).count() == 1 {
                     boundary.push(self.edges.len() as u32);
                 }
                 for copy in same.chunk_by(|a, b| a.vertices == b.vertices) {
@@ -177,15 +182,14 @@ impl Subdivision {
     }
 
     /// Lists the triangles drawn.
-    fn find_triangles(&mut self, topology: &Topology, edge_of_side: &[u32]) {
+    fn find_triangles(&mut self, drawn: &[([u32; 3], [u32; 3])], edge_of_side: &[u32]) {
         self.triangles.clear();
         self.faces.clear();
         let parts = self.parts as usize;
         let inside_each = inside(self.parts).count();
         let first_inside = self.coarse + self.edges.len() * (parts - 1);
         let (sides, _) = edge_of_side.as_chunks::<3>();
-        let triangles = topology.triangles.iter().zip(&topology.triangle_vertices).zip(sides);
-        for (triangle, ((particles, vertices), edges)) in triangles.enumerate() {
+        for (triangle, ((particles, vertices), edges)) in drawn.iter().zip(sides).enumerate() {
             let on_edge = |side: usize, part: usize| {
                 let [from, to] = [particles[side], particles[(side + 1) % 3]];
                 let part = if from < to { part } else { parts - part };
@@ -217,4 +221,24 @@ impl Subdivision {
             }
         }
     }
+
+    /// Parts the triangles of the back from those of the front, behind which they were listed.
+    fn divide_backs(&mut self, triangles: usize, own_backs: &[usize]) {
+        self.backs.clear();
+        if own_backs.is_empty() {
+            return;
+        }
+        let each = (self.parts * self.parts) as usize;
+        let own = self.triangles.split_off(each * triangles);
+        self.backs.clone_from(&self.triangles);
+        for (at, own) in own_backs.iter().zip(own.chunks_exact(each)) {
+            self.backs[each * at..each * (at + 1)].copy_from_slice(own);
+        }
+    }
+}
+
+/// The triangles whose back has other vertices than the front.
+fn own_backs(topology: &Topology) -> Vec<usize> {
+    let pairs = topology.triangle_vertices.iter().zip(&topology.triangle_backs).enumerate();
+    pairs.filter(|(_, (front, back))| front != back).map(|(triangle, _)| triangle).collect()
 }

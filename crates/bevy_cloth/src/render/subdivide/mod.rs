@@ -93,6 +93,8 @@ pub(crate) struct Subdivision {
     /// Particles of a smooth boundary, each between its neighbours on the boundary.
     rims: Vec<[u32; 3]>,
     triangles: Vec<[u32; 3]>,
+    /// As many triangles of the back, where that has vertices of its own.
+    backs: Vec<[u32; 3]>,
     /// Of each rim the direction of the boundary.
     tangents: Vec<Vec3>,
     /// Of each edge.
@@ -117,6 +119,11 @@ impl Subdivision {
     /// Triangles of the vertices drawn, wound as those of the topology, in its order.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// Those of the back, wound as those of the front, in the same order.
+    pub fn backs(&self) -> &[[u32; 3]] {
+        if self.backs.is_empty() { &self.triangles } else { &self.backs }
     }
 
     /// Number of vertices drawn.
@@ -200,21 +207,37 @@ impl Subdivision {
             return;
         }
         let (known, rest) = values.split_at_mut(self.coarse);
+        let mix = |parts: &[([f32; N], f32)]| -> [f32; N] {
+            std::array::from_fn(|i| parts.iter().map(|(value, part)| value[i] * part).sum())
+        };
         let mut rest = rest.iter_mut();
+        self.between(known, mix, |value| rest.next().into_iter().for_each(|to| *to = value));
+    }
+
+    /// Adds to `values`, one for each vertex of the topology, those of the vertices on edges and inside of triangles: `mix` makes
+    /// them of two or three and their weights, which add up to 1.
+    pub fn fill<T: Copy>(&self, values: &mut Vec<T>, mix: impl Fn(&[(T, f32)]) -> T) {
+        let mut rest = Vec::with_capacity(self.vertices().saturating_sub(self.coarse));
+        if let Some(known) = values.get(..self.coarse) {
+            self.between(known, mix, |value| rest.push(value));
+        }
+        values.append(&mut rest);
+    }
+
+    /// Makes the values of the vertices on edges and then of those inside of triangles.
+    fn between<T: Copy>(&self, known: &[T], mix: impl Fn(&[(T, f32)]) -> T, mut each: impl FnMut(T)) {
         let parts = self.parts as f32;
         for edge in &self.edges {
             let [from, to] = edge.vertices.map(|vertex| known[vertex as usize]);
             for part in 1..self.parts {
-                let Some(value) = rest.next() else { return };
                 let t = part as f32 / parts;
-                *value = std::array::from_fn(|i| from[i] * (1.0 - t) + to[i] * t);
+                each(mix(&[(from, 1.0 - t), (to, t)]));
             }
         }
         for face in &self.faces {
             let [a, b, c] = face.vertices.map(|vertex| known[vertex as usize]);
             for weights in build::inside(self.parts) {
-                let Some(value) = rest.next() else { return };
-                *value = std::array::from_fn(|i| a[i] * weights.x + b[i] * weights.y + c[i] * weights.z);
+                each(mix(&[(a, weights.x), (b, weights.y), (c, weights.z)]));
             }
         }
     }

@@ -115,6 +115,9 @@ impl Topology {
                 .flat_map(|row| (0..grid.columns).map(move |column| grid.slot(row, column)))
                 .collect(),
             grid: Some(grid),
+            quads: None,
+            squares: Vec::new(),
+            is_warp_told: false,
             weave: None,
             original_triangles: triangles.len() as u32,
             free: rest.len() as u32,

@@ -218,7 +218,8 @@ fn is_smooth(quads: &Quads, at_rest: &QuadsRest, rest: impl Fn(u32) -> DVec3) ->
                 let slot = quads.grid.slot(row, column);
                 let bend = &at_rest.bends[along][slot as usize];
                 let around = quads.neighbours(row, column).map(|slot| slot.map(&rest));
-                let [a, b, normal] = star(rest(slot), around);
+                let [a, b] = star(rest(slot), around);
+                let normal = a.cross(b).normalize_or_zero();
                 let line = if along == 0 { a } else { b };
                 let turn = (a * bend.skew.x + b * bend.skew.y).dot(normal.cross(line).normalize_or_zero());
                 if bend.shape > 0.0 {

@@ -25,7 +25,7 @@ pub(crate) use lines::{Along, Thread, regular_runs, threads};
 pub use mesh::MeshSource;
 pub use pieces::Pieces;
 pub use quads::Quads;
-pub(crate) use quads::QuadsRest;
+pub(crate) use quads::{FADING, QuadsRest, normal, star};
 pub(crate) use strip::strips;
 pub(crate) use surgery::{Crossing, Surgery};
 pub(crate) use weave::Weave;

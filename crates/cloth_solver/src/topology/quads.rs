@@ -97,6 +97,17 @@ pub(crate) struct QuadsRest {
     pub links: [Vec<DVec2>; 2],
     /// By slot, in the row and in the column.
     pub bends: [Vec<BendRest>; 2],
+    /// |A × B| of each slot, m².
+    pub stars: Vec<f64>,
+}
+
+/// The part of |A × B| at rest below which a normal, of length 1 at rest, fades: what is crumpled to a line has none.
+pub(crate) const FADING: f64 = 0.2;
+
+/// (A × B) N⁻¹, with `(1 + ε²) N² = |A × B|² + ε² |A × B|₀²`, ε [`FADING`]: a normal whose slope is bounded, and of length 1 at rest.
+pub(crate) fn normal(across: DVec3, at_rest: f64) -> DVec3 {
+    let fading = FADING * FADING;
+    across * ((1.0 + fading) / (across.length_squared() + fading * at_rest * at_rest)).sqrt()
 }
 
 impl Quads {
@@ -120,6 +131,7 @@ impl Quads {
             cells: vec![CellRest::default(); slots],
             links: [vec![DVec2::ZERO; slots], vec![DVec2::ZERO; slots]],
             bends: [vec![BendRest::default(); slots], vec![BendRest::default(); slots]],
+            stars: vec![0.0; slots],
         };
         for (row, column) in self.cells() {
             let corners = self.cell(row, column);
@@ -147,8 +159,10 @@ impl Quads {
         for row in 0..self.grid.rows {
             for column in 0..self.grid.columns {
                 let slot = self.grid.slot(row, column);
+                let around = self.neighbours(row, column);
+                let [a, b] = star(rest(slot), around.map(|slot| slot.map(&rest)));
+                made.stars[slot as usize] = a.cross(b).length();
                 for along in 0..2 {
-                    let around = self.neighbours(row, column);
                     let bend = made.bend(slot, around, along, &rest);
                     made.bends[along][slot as usize] = bend;
                 }
@@ -183,11 +197,10 @@ fn in_plane(v: DVec3, a: DVec3, b: DVec3) -> DVec2 {
     DVec2::new(va * bb - vb * ab, vb * aa - va * ab) / (aa * bb - ab * ab)
 }
 
-/// What lies between the neighbours in the row, and in the column, and their cross product of length 1.
-pub(crate) fn star(here: DVec3, around: [Option<DVec3>; 4]) -> [DVec3; 3] {
+/// What lies between the neighbours in the row, and in the column.
+pub(crate) fn star(here: DVec3, around: [Option<DVec3>; 4]) -> [DVec3; 2] {
     let [left, right, up, down] = around.map(|place| place.unwrap_or(here));
-    let (a, b) = (right - left, down - up);
-    [a, b, a.cross(b).normalize_or_zero()]
+    [right - left, down - up]
 }
 
 impl QuadsRest {
@@ -199,10 +212,10 @@ impl QuadsRest {
         let links = [before, slot].map(|slot| self.links[along][slot as usize]);
         let here = rest(slot);
         let curl = (rest(after) - here) / links[1].x - (here - rest(before)) / links[0].x;
-        let [a, b, normal] = star(here, around.map(|slot| slot.map(&rest)));
+        let [a, b] = star(here, around.map(|slot| slot.map(&rest)));
         BendRest {
             skew: in_plane(curl, a, b),
-            curl: curl.dot(normal),
+            curl: curl.dot(a.cross(b).normalize_or_zero()),
             shape: (links[0].y + links[1].y) / (links[0].x + links[1].x),
         }
     }

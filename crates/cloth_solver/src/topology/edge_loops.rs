@@ -165,7 +165,8 @@ impl Topology {
             // The cell's upper row, and where it begins.
             let row = corners.iter().map(|slot| slot / stride).min().unwrap_or_default();
             let columns = corners.map(|slot| slot % stride);
-            let [low, high] = [columns.iter().min(), columns.iter().max()].map(|column| column.copied().unwrap_or_default());
+            let [low, high] =
+                [columns.iter().min(), columns.iter().max()].map(|column| column.copied().unwrap_or_default());
             let [p00, p10, p01, p11] = quads.cell(row, if high - low > 1 { high } else { low }).map(rest);
             if quads.turned { p10 - p00 + p11 - p01 } else { p00 - p01 + p10 - p11 }
         };
@@ -266,7 +267,8 @@ impl<'a> Halfedges<'a> {
     /// The triangle to the left of a side, and its corner off that.
     fn left_of(&self, a: u32, b: u32) -> Option<(u32, u32)> {
         let triangle = *self.triangle.get(&[a, b])?;
-        let apex = self.topology.triangles[triangle as usize].into_iter().find(|corner| *corner != a && *corner != b)?;
+        let apex =
+            self.topology.triangles[triangle as usize].into_iter().find(|corner| *corner != a && *corner != b)?;
         Some((triangle, apex))
     }
 

@@ -114,7 +114,8 @@ impl Quads {
     /// The neighbours of a particle: left, right, up, down.
     pub(crate) fn neighbours(&self, row: u32, column: u32) -> [Option<u32>; 4] {
         let Grid { columns, rows, .. } = self.grid;
-        let wrap = |column: u32| if self.closed { Some(column % columns) } else { (column < columns).then_some(column) };
+        let wrap =
+            |column: u32| if self.closed { Some(column % columns) } else { (column < columns).then_some(column) };
         let left = if column > 0 { Some(column - 1) } else { self.closed.then(|| columns - 1) };
         [
             left.map(|column| self.grid.slot(row, column)),

@@ -372,12 +372,7 @@ fn pull_of<S: Simd>(
 
 /// The multiplier of a link and what it changes by, if Newton's step is `newton`.
 #[inline(always)]
-fn gone_on<S: Simd, const FIRST: bool>(
-    simd: S,
-    newton: f32x8<S>,
-    lambda: &[f32],
-    link: usize,
-) -> (f32x8<S>, f32x8<S>) {
+fn gone_on<S: Simd, const FIRST: bool>(simd: S, newton: f32x8<S>, lambda: &[f32], link: usize) -> (f32x8<S>, f32x8<S>) {
     if FIRST {
         return (newton, newton);
     }
@@ -465,7 +460,8 @@ pub(crate) fn filter<S: Simd, const CLOSED: bool>(
     let mut x_next = Vec3x8::load(simd, position, block.at(block.count - 1));
     if CLOSED {
         let (k, link) = (block.count - 1, block.link(block.count - 1));
-        let (pull, length) = (Vec3x8::load(simd, &of.pull, link), (Vec3x8::load(simd, position, block.at(0)) - x_next).length());
+        let (pull, length) =
+            (Vec3x8::load(simd, &of.pull, link), (Vec3x8::load(simd, position, block.at(0)) - x_next).length());
         less_above = pull * (length * load(simd, &work.far, k * LANES)) - last_link;
         store(load(simd, &of.lambda, link) + less_above.dot(pull), &mut of.lambda, link);
     }

@@ -75,7 +75,13 @@ struct Line {
 impl QuadBends {
     /// Of lines whose bending stiffness is `bend` along rows and columns; `mass` is that of each slot were it in the middle of its cells,
     /// `worn` a factor on the stiffness around it.
-    pub fn new(plan: Plan, rest: &QuadsRest, bend: [f32; 2], mass: impl Fn(usize) -> f32, worn: impl Fn(usize) -> f32) -> Self {
+    pub fn new(
+        plan: Plan,
+        rest: &QuadsRest,
+        bend: [f32; 2],
+        mass: impl Fn(usize) -> f32,
+        worn: impl Fn(usize) -> f32,
+    ) -> Self {
         let along = [0, 1].map(|along| {
             let links = &rest.links[along];
             let bends = &rest.bends[along];
@@ -101,7 +107,8 @@ impl QuadBends {
         });
         let is_curved = |slot: usize| {
             let size = rest.links[0][slot].x.max(rest.links[1][slot].x);
-            (rest.bends.iter()).any(|bends| bends[slot].curl.abs().max(bends[slot].skew.abs().max_element() * size) > 1e-4)
+            (rest.bends.iter())
+                .any(|bends| bends[slot].curl.abs().max(bends[slot].skew.abs().max_element() * size) > 1e-4)
         };
         let length = (plan.stride + LANES).max(plan.rows) * LANES;
         let row = || NodeRow([(); 4].map(|()| Soa3::zeros(plan.pitch + LANES)));
@@ -173,8 +180,11 @@ impl QuadBends {
             }
             for column in (0..plan.stride).step_by(LANES) {
                 let at = LANES + column;
-                let own = here.load(simd, 0, at) + here.load(simd, 1, at) + here.load(simd, 2, at) + here.load(simd, 3, at);
-                let slope = here.load(simd, 0, at - 1) + here.load(simd, 1, at + 1) + above.load(simd, 2, at)
+                let own =
+                    here.load(simd, 0, at) + here.load(simd, 1, at) + here.load(simd, 2, at) + here.load(simd, 3, at);
+                let slope = here.load(simd, 0, at - 1)
+                    + here.load(simd, 1, at + 1)
+                    + above.load(simd, 2, at)
                     + below.load(simd, 3, at)
                     - own;
                 let to = row * plan.stride + column;
@@ -201,7 +211,9 @@ impl QuadBends {
                     - (star.x - before) * load(simd, &bends.per_length, at - step);
                 if self.is_curved {
                     let n = Normal::new(simd, star.a(), star.b(), load(simd, &self.fading, at)).n;
-                    c = c - star.a() * load(simd, &bends.skew[0], at) - star.b() * load(simd, &bends.skew[1], at)
+                    c = c
+                        - star.a() * load(simd, &bends.skew[0], at)
+                        - star.b() * load(simd, &bends.skew[1], at)
                         - n * load(simd, &bends.curl, at);
                 }
                 if filters[along] == 0.0 {
@@ -257,7 +269,13 @@ impl QuadBends {
             plan.gather(simd, &pull.y, &mut line.values.y, rows, first, columns);
             plan.gather(simd, &pull.z, &mut line.values.z, rows, first, columns);
             let block = plan.block(first);
-            let of = Of { per_length: &per_length[block..], stiffness: &stiffness[block..], weights, stride: LANES, count: columns };
+            let of = Of {
+                per_length: &per_length[block..],
+                stiffness: &stiffness[block..],
+                weights,
+                stride: LANES,
+                count: columns,
+            };
             if closed {
                 line.solve::<S, true>(simd, of, square, filter);
             } else {
@@ -353,7 +371,13 @@ struct Shared<S: Simd> {
 impl Of<'_> {
     #[inline(always)]
     fn load<S: Simd>(self, simd: S, of: &[f32], k: usize) -> f32x8<S> {
-        let round = if k >= 2 * self.count { 2 * self.count } else if k >= self.count { self.count } else { 0 };
+        let round = if k >= 2 * self.count {
+            2 * self.count
+        } else if k >= self.count {
+            self.count
+        } else {
+            0
+        };
         load(simd, of, (k - round) * self.stride)
     }
 
@@ -485,13 +509,15 @@ mod tests {
         let len = count * LANES;
         let mut per_length: Vec<f32> = (0..len).map(|i| 20.0 + 60.0 * noise(i)).collect();
         let mut stiffness: Vec<f32> = (0..len).map(|i| 1e-3 * (1.0 + noise(i + 7000))).collect();
-        let weights: Vec<f32> = (0..len).map(|i| if noise(i + 900) < 0.1 { 0.0 } else { 1e4 * (1.0 + noise(i + 99)) }).collect();
+        let weights: Vec<f32> =
+            (0..len).map(|i| if noise(i + 900) < 0.1 { 0.0 } else { 1e4 * (1.0 + noise(i + 99)) }).collect();
         if !closed {
             per_length[len - LANES..].fill(0.0);
             stiffness[..LANES].fill(0.0);
             stiffness[len - LANES..].fill(0.0);
         }
-        let right: Vec<glam::Vec3> = (0..len).map(|i| glam::Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2))).collect();
+        let right: Vec<glam::Vec3> =
+            (0..len).map(|i| glam::Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2))).collect();
         let mut line = Line {
             values: Soa3::from_slice(&right),
             near: vec![0.0; len],

@@ -71,18 +71,22 @@ impl QuadCells {
         corners: impl Fn(usize) -> [usize; 4],
         worn: impl Fn(usize) -> f32,
     ) -> Self {
-        let of = |value: &dyn Fn(usize) -> f32| plan.numbers(|slot| if rest.cells[slot].area > 0.0 { value(slot) } else { 0.0 });
+        let of = |value: &dyn Fn(usize) -> f32| {
+            plan.numbers(|slot| if rest.cells[slot].area > 0.0 { value(slot) } else { 0.0 })
+        };
         let cell = |slot: usize| &rest.cells[slot];
         let root = of(&|slot| (shear * cell(slot).area as f32 * worn(slot)).sqrt());
         let half = [of(&|slot| 0.5 / cell(slot).size.x as f32), of(&|slot| 0.5 / cell(slot).size.y as f32)];
-        let over = half.each_ref().map(|half| root.iter().zip(half).map(|(root, half)| 2.0 * root * half).collect::<Vec<_>>());
+        let over =
+            half.each_ref().map(|half| root.iter().zip(half).map(|(root, half)| 2.0 * root * half).collect::<Vec<_>>());
         let lightest = |slot: usize| corners(slot).into_iter().map(&mass).fold(f32::INFINITY, f32::min);
         let fastest = (0..rest.cells.len()).filter(|slot| cell(*slot).area > 0.0).map(|slot| {
             let size = cell(slot).size.as_vec2();
             4.0 * shear * cell(slot).area as f32 * (size * size).recip().element_sum() / lightest(slot)
         });
         let size = |slot: usize| cell(slot).area.sqrt();
-        let is_skew = |slot: usize| cell(slot).skew.abs().max_element() > 1e-4 || cell(slot).twist.abs() > 1e-4 * size(slot);
+        let is_skew =
+            |slot: usize| cell(slot).skew.abs().max_element() > 1e-4 || cell(slot).twist.abs() > 1e-4 * size(slot);
         let line = (plan.stride + LANES).max(plan.rows) * LANES;
         let row = || Soa3::zeros(plan.pitch + LANES);
         Self {
@@ -141,7 +145,8 @@ impl QuadCells {
             plan.gather(simd, inverse_mass, above, rows - 1, first, across + 1);
             plan.gather(simd, &inverse_mass[pitch..], below, rows - 1, first, across + 1);
             let over = &self.over_rows[plan.block(first)..];
-            let (line, mobility) = ((values.as_mut_slice(), 0, LANES, across), (above.as_slice(), below.as_slice(), 0, share));
+            let (line, mobility) =
+                ((values.as_mut_slice(), 0, LANES, across), (above.as_slice(), below.as_slice(), 0, share));
             if closed {
                 smooth::<S, true>(simd, line, over, mobility, &mut self.upper, &mut self.ring);
             } else {
@@ -186,7 +191,9 @@ impl QuadCells {
             for column in (0..plan.stride).step_by(LANES) {
                 let (right, left) = (LANES + column, LANES + column - 1);
                 // The cells at the right and left below, then above; slopes, so with their signs turned.
-                let slope = below.upper_left(simd, right) + below.upper_right(simd, left) + above.lower_left(simd, right)
+                let slope = below.upper_left(simd, right)
+                    + below.upper_right(simd, left)
+                    + above.lower_left(simd, right)
                     + above.lower_right(simd, left);
                 let at = row * plan.stride + column;
                 let w = load(simd, inverse_mass, at) * share;

@@ -249,9 +249,27 @@ impl QuadConstraints {
             let Lines { links, compliance, rest, shorter, .. } = &mut *lines;
             let of = varied(compliance, rest, shorter, block.links);
             met = met.and(if quads.closed {
-                lines::stretch::<S, _, FIRST, true>(simd, block, position, moved, inverse_in_lanes, stiffness, of, links)
+                lines::stretch::<S, _, FIRST, true>(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_in_lanes,
+                    stiffness,
+                    of,
+                    links,
+                )
             } else {
-                lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_in_lanes, stiffness, of, links)
+                lines::stretch::<S, _, FIRST, false>(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_in_lanes,
+                    stiffness,
+                    of,
+                    links,
+                )
             });
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }

@@ -411,7 +411,14 @@ fn worn(worn: &Option<Box<WornGrid>>, along: Along, first: usize, block: Block) 
 
 /// Eight rows of vectors into lanes.
 #[inline(always)]
-pub(in crate::constraint::surface) fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, base: usize, rows: Rows, first: usize) {
+pub(in crate::constraint::surface) fn gather<S: Simd>(
+    simd: S,
+    from: &Soa3,
+    to: &mut Soa3,
+    base: usize,
+    rows: Rows,
+    first: usize,
+) {
     lines::gather_rows(simd, &from.x, &mut to.x, base, rows, first);
     lines::gather_rows(simd, &from.y, &mut to.y, base, rows, first);
     lines::gather_rows(simd, &from.z, &mut to.z, base, rows, first);
@@ -419,7 +426,14 @@ pub(in crate::constraint::surface) fn gather<S: Simd>(simd: S, from: &Soa3, to: 
 
 /// Eight rows of vectors back from lanes.
 #[inline(always)]
-pub(in crate::constraint::surface) fn scatter<S: Simd>(simd: S, from: &Soa3, base: usize, to: &mut Soa3, rows: Rows, first: usize) {
+pub(in crate::constraint::surface) fn scatter<S: Simd>(
+    simd: S,
+    from: &Soa3,
+    base: usize,
+    to: &mut Soa3,
+    rows: Rows,
+    first: usize,
+) {
     lines::scatter_rows(simd, &from.x, base, &mut to.x, rows, first);
     lines::scatter_rows(simd, &from.y, base, &mut to.y, rows, first);
     lines::scatter_rows(simd, &from.z, base, &mut to.z, rows, first);

@@ -210,7 +210,16 @@ impl On<'_> {
                 if FIRST && let Some(bend) = stiffness.bend(simd, width) {
                     lines::bend(simd, block, position, moved, inverse_mass, bend, worn, work);
                 }
-                lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_mass, compliance, worn, links)
+                lines::stretch::<S, _, FIRST, false>(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_mass,
+                    compliance,
+                    worn,
+                    links,
+                )
             }
         }
     }

@@ -161,9 +161,9 @@ pub(crate) fn two_sided(
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use bevy::asset::RenderAssetUsages;
     use bevy::mesh::PrimitiveTopology;
-    use super::*;
 
     #[test]
     fn what_is_born_between_two_vertices_is_between_them_and_joints_are_those_of_the_nearer() {

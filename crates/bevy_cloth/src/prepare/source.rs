@@ -150,8 +150,8 @@ fn from_mesh(mesh: &Mesh, scale: Vec3) -> Result<(Topology, Skin), ClothError> {
         }
         _ => Vec::new(),
     };
-    let topology =
-        Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices: &indices })?.into_rectangle();
+    let source = MeshSource { positions: &positions, uvs: &uvs, indices: &indices };
+    let topology = Topology::from_mesh(source)?.into_rectangle().into_quads();
     let strength = match mesh.try_attribute_option(ATTRIBUTE_STRENGTH) {
         Ok(Some(VertexAttributeValues::Float32(strength))) => strength.clone(),
         _ => Vec::new(),

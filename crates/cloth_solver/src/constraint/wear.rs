@@ -88,7 +88,7 @@ impl Kept {
 
 impl Wear<'_> {
     /// The factor on the compliance of the link between two slots.
-    pub(super) fn compliance(&self, [a, b]: [u32; 2]) -> f32 {
+    pub(in crate::constraint) fn compliance(&self, [a, b]: [u32; 2]) -> f32 {
         let stiffness = 0.5 * (self.stiffness[a as usize] + self.stiffness[b as usize]);
         (1.0 / stiffness).min(GONE)
     }

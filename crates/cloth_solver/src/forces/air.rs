@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::batch::{gather, gather3};
 use crate::lanes::{LANES, LEVEL, Vec3x8, load, splat};
+use crate::topology::Quads;
 use crate::{ClothError, Grid, Particles, Soa3, Substep, Topology};
 
 /// Speed of sound in dry air at 15 °C, m/s. The law holds for air that is not compressed: what is faster pulls no harder.
@@ -56,7 +57,7 @@ impl Air {
     /// Finds the air's force on every particle, in an air that moves as [`WindField::sample`](super::WindField::sample) found
     /// it in this tick; without it, does nothing. Five times in a tick at most: in between the force stays, which adds little to
     /// the error of the substeps themselves. The faces of a rectangle are its cells, whose corners share their force evenly, as they do
-    /// their mass; those of any other mesh, and of a rectangle that was taken apart, its triangles.
+    /// their mass, and so those of a mesh with [`Topology::quads`]; those of any other mesh, and of one that was taken apart, its triangles.
     ///
     /// What a particle gets until the force is found anew never turns its motion against the air round: stable at any wind.
     pub fn blow(&self, topology: &Topology, particles: &mut Particles, sub: &Substep) {
@@ -71,10 +72,18 @@ impl Air {
         airflow.force.fill(Vec3::ZERO);
         let strength = 0.5 * self.density * (1.0 - self.porosity);
         if strength > 0.0 && time > 0.0 {
-            let Airflow { velocity, force, areal_density, .. } = &mut airflow;
+            let Airflow { velocity, force, areal_density, shares, .. } = &mut airflow;
             let blow = Blow { air: self, strength, particles, velocity, areal_density, rate: 1.0 / time };
             match topology.grid {
-                Some(grid) if topology.weave.is_none() => dispatch!(*LEVEL, simd => blow.on_cells(simd, &grid, force)),
+                Some(grid) if topology.weave.is_none() => {
+                    dispatch!(*LEVEL, simd => blow.on_cells(simd, &grid, &[], force));
+                }
+                _ if let Some(quads) = &topology.quads => dispatch!(*LEVEL, simd => {
+                    blow.on_cells(simd, &quads.grid, shares, force);
+                    if quads.closed {
+                        blow.on_seam(simd, quads, shares, force);
+                    }
+                }),
                 _ => dispatch!(*LEVEL, simd => blow.on_triangles(simd, topology, force)),
             }
         }
@@ -124,10 +133,10 @@ struct Pair<S: Simd> {
 
 // No closures in the kernels: they would be compiled without the instruction set that is dispatched to.
 impl Blow<'_> {
-    /// Adds the force on every cell of a rectangle to its corners, eight neighbours in a row at a time, down the columns: the
+    /// Adds the force on every cell of a rectangle, or of rows and columns of which each cell has its own of `shares`, to its corners, eight neighbours in a row at a time, down the columns: the
     /// lower corners of one row of cells are the upper ones of the next.
     #[inline(always)]
-    fn on_cells<S: Simd>(self, simd: S, grid: &Grid, force: &mut Soa3) {
+    fn on_cells<S: Simd>(self, simd: S, grid: &Grid, shares: &[f32], force: &mut Soa3) {
         let (columns, rows, stride) = (grid.columns as usize - 1, grid.rows as usize, grid.stride as usize);
         let share = splat(simd, 0.25 * grid.spacing.x * grid.spacing.y);
         let (zero, quarter) = (Vec3x8::splat(simd, Vec3::ZERO), splat(simd, 0.25));
@@ -140,6 +149,7 @@ impl Blow<'_> {
                 let mut each = zero;
                 if row < rows {
                     let below = self.pair(simd, at);
+                    let share = if shares.is_empty() { share } else { load(simd, shares, at - stride) };
                     let faces = Faces {
                         normal: (below.right - above.left).cross(above.right - below.left),
                         relative: (above.relative + below.relative) * quarter,
@@ -154,6 +164,42 @@ impl Blow<'_> {
                 (Vec3x8::load(simd, force, upper) + both).store(force, upper);
                 (Vec3x8::load(simd, force, upper + 1) + both).store(force, upper + 1);
                 force_above = each;
+            }
+        }
+    }
+
+    /// The same of the cells between the last column and the first.
+    #[inline(always)]
+    fn on_seam<S: Simd>(self, simd: S, quads: &Quads, shares: &[f32], force: &mut Soa3) {
+        let Particles { position, velocity, .. } = self.particles;
+        let quarter = splat(simd, 0.25);
+        for first in (0..quads.grid.rows - 1).step_by(LANES) {
+            let (mut corners, mut share) = ([[0; LANES]; 4], [0.0; LANES]);
+            for lane in 0..LANES {
+                let row = first + lane as u32;
+                if row < quads.grid.rows - 1 {
+                    let cell = quads.cell(row, quads.grid.columns - 1);
+                    (0..4).for_each(|corner| corners[corner][lane] = cell[corner]);
+                    share[lane] = shares[cell[0] as usize];
+                }
+            }
+            let (p00, p10) = (gather3(simd, position, &corners[0]), gather3(simd, position, &corners[1]));
+            let (p01, p11) = (gather3(simd, position, &corners[2]), gather3(simd, position, &corners[3]));
+            let mut relative = Vec3x8::splat(simd, Vec3::ZERO);
+            let mut lightest = splat(simd, f32::INFINITY);
+            for corner in &corners {
+                relative = relative + (gather3(simd, self.velocity, corner) - gather3(simd, velocity, corner));
+                lightest = lightest.min(gather(simd, self.areal_density, corner));
+            }
+            let share = f32x8::simd_from(simd, share);
+            let normal = (p11 - p00).cross(p10 - p01);
+            let faces = Faces { normal, relative: relative * quarter, lightest, share };
+            let each = self.on_each_corner(simd, faces, share.simd_gt(splat(simd, 0.0)));
+            for lane in 0..LANES {
+                let on_lane = Vec3::new(each.x[lane], each.y[lane], each.z[lane]);
+                for slot in corners.map(|corner| corner[lane] as usize) {
+                    force.set(slot, force.get(slot) + on_lane);
+                }
             }
         }
     }
@@ -240,6 +286,8 @@ pub struct Airflow {
     pub force: Soa3,
     /// Mass over area of each slot, kg/m²; infinite without area.
     areal_density: Vec<f32>,
+    /// Of rows and columns of quads a quarter of the area of each cell at rest, m²; else empty.
+    shares: Vec<f32>,
     /// Where in the tick the force was found.
     found_at: f32,
 }
@@ -250,7 +298,16 @@ impl Airflow {
         let slots = mass.len();
         if self.velocity.len() != slots {
             let areal_density = vec![0.0; slots];
-            *self = Self { velocity: Soa3::zeros(slots), force: Soa3::zeros(slots), areal_density, found_at: 0.0 };
+            let [velocity, force] = [Soa3::zeros(slots), Soa3::zeros(slots)];
+            *self = Self { velocity, force, areal_density, shares: Vec::new(), found_at: 0.0 };
+        }
+        if let Some(quads) = topology.quads.filter(|_| self.shares.len() != slots) {
+            self.shares = vec![0.0; slots];
+            for (row, column) in quads.cells() {
+                let corners = quads.cell(row, column);
+                let [p00, p10, p01, p11] = corners.map(|slot| topology.rest[slot as usize]);
+                self.shares[corners[0] as usize] = 0.125 * (p11 - p00).cross(p10 - p01).length();
+            }
         }
         for ((density, mass), area) in self.areal_density.iter_mut().zip(mass).zip(&topology.area) {
             *density = if *area > 0.0 { mass / area } else { f32::INFINITY };

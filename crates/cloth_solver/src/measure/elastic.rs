@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{deformation, lines};
-use crate::topology::{Along, Curvature, curvatures, hinge_angle};
+use crate::topology::{Along, Curvature, Quads, QuadsRest, curvatures, hinge_angle, normal, star};
 use crate::{Fabric, Grid, Particles, Soa3, Topology};
 
 /// Elastic energy of a cloth of `fabric` against its rest shape, J: stretch, shear and bending.
@@ -17,6 +17,9 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 /// - bending: `½ D (w/l) |t₂ − t₁|²` per inner particle of each row and column; `t` its edges over their rest length;
 /// - twist: `D |x₀₀ + x₁₁ − x₁₀ − x₀₁|² / (l_x l_y)` per cell; `D` the mean of warp and weft.
 ///
+/// A mesh with [`Topology::quads`], the same with the lengths and widths of each link and cell, each angle less the one at rest, and of
+/// bends and twist what is in the surface at rest left out and what is across it less than at rest along the normal.
+///
 /// Any other mesh, and what of a rectangle was cut loose, per triangle or hinge:
 /// - stretch and shear: `½ A (Y_u ε_u² + Y_v ε_v² + G (f_u·f_v)²)`; `f_u`, `f_v` what unit weft and warp threads have
 ///   become, `ε` their elongations;
@@ -25,6 +28,9 @@ use crate::{Fabric, Grid, Particles, Soa3, Topology};
 /// - of what was cut loose from a rectangle: `½ (D b/s) (θ − θ₀)²`, see [`Topology::hinge_stiffness`].
 pub fn elastic_energy(topology: &Topology, particles: &Particles, fabric: &Fabric) -> f64 {
     let positions = &particles.position;
+    if let Some((quads, rest)) = topology.quads_at_rest() {
+        return of_quads(&quads, &rest, positions, fabric);
+    }
     let woven = topology
         .grid
         .map_or(0.0, |grid| threads(topology, positions, fabric) + cells(topology, grid, positions, fabric));
@@ -75,6 +81,49 @@ fn cells(topology: &Topology, grid: Grid, positions: &Soa3, fabric: &Fabric) -> 
             0.5 * shear * area * weft.dot(warp).powi(2) + bend * twist / area
         })
         .sum()
+}
+
+/// A mesh of quads, J.
+fn of_quads(quads: &Quads, rest: &QuadsRest, positions: &Soa3, fabric: &Fabric) -> f64 {
+    let along = [quads.along_rows(), quads.along_columns()];
+    let [weft, warp] = [(fabric.stretch_weft, fabric.bend_weft), (fabric.stretch_warp, fabric.bend_warp)];
+    let stiff = along.map(|along| if along == Along::Weft { weft } else { warp });
+    let stiff = stiff.map(|(stretch, bend)| (f64::from(stretch), f64::from(bend)));
+    let mut energy = 0.0;
+    for (row, column) in (0..quads.grid.rows).flat_map(|row| (0..quads.grid.columns).map(move |column| (row, column))) {
+        let slot = quads.grid.slot(row, column) as usize;
+        let around = quads.neighbours(row, column);
+        let places = around.map(|slot| slot.map(|slot| at(positions, slot)));
+        let here = at(positions, slot as u32);
+        let [a, b] = star(here, places);
+        let normal = normal(a.cross(b), rest.stars[slot]);
+        for along in 0..2 {
+            let (stretch, bend) = stiff[along];
+            let (before, after) = (2 * along, 2 * along + 1);
+            let Some(next) = places[after] else { continue };
+            let link = rest.links[along][slot];
+            energy += 0.5 * stretch * link.y / link.x * (next.distance(here) - link.x).powi(2);
+            let (Some(last), Some(slot_before)) = (places[before], around[before]) else { continue };
+            let of = rest.bends[along][slot];
+            let length = rest.links[along][slot_before as usize].x;
+            let curl = (next - here) / link.x - (here - last) / length;
+            let left = curl - a * of.skew.x - b * of.skew.y - normal * of.curl;
+            energy += 0.5 * bend * of.shape * left.length_squared();
+        }
+    }
+    let twist = 0.5 * (f64::from(fabric.bend_warp) + f64::from(fabric.bend_weft));
+    let cells = quads.cells().map(|(row, column)| {
+        let corners = quads.cell(row, column);
+        let of = rest.cells[corners[0] as usize];
+        let [x00, x10, x01, x11] = corners.map(|slot| at(positions, slot));
+        let (e, f) = (x11 - x00, x10 - x01);
+        let (u, v) = ((e + f) / (2.0 * of.size.x), (e - f) / (2.0 * of.size.y));
+        let normal = normal(e.cross(f), 2.0 * of.area);
+        let left = x00 + x11 - x10 - x01 - e * of.skew.x - f * of.skew.y - normal * of.twist;
+        0.5 * f64::from(fabric.shear) * of.area * (u.dot(v) - of.shear).powi(2)
+            + twist * left.length_squared() / of.area
+    });
+    energy + cells.sum::<f64>()
 }
 
 /// Stretch and shear of the triangles that belong to no rectangle, J.

@@ -118,6 +118,9 @@ impl Topology {
             joints,
             mended,
             grid: None,
+            quads: None,
+            squares: Vec::new(),
+            is_warp_told: corners.iter().any(|corners| uv_warp(&source, *corners).is_some()),
         })
     }
 }
@@ -215,7 +218,7 @@ fn uv_warp(source: &MeshSource<'_>, corners: [u32; 3]) -> Option<DVec3> {
 }
 
 /// The two edges of a triangle at rest as columns, x along the weft and y along the warp.
-fn flattened([p0, p1, p2]: [DVec3; 3], warp: Option<DVec3>) -> Mat2 {
+pub(super) fn flattened([p0, p1, p2]: [DVec3; 3], warp: Option<DVec3>) -> Mat2 {
     let normal = (p1 - p0).cross(p2 - p0).normalize_or_zero();
     let axis = if normal.y.abs() > HORIZONTAL { DVec3::Z } else { DVec3::Y };
     let warp = warp.unwrap_or(axis).reject_from_normalized(normal).normalize_or_zero();

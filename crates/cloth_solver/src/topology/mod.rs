@@ -2,6 +2,7 @@
 
 mod change;
 pub(crate) mod curvature;
+mod edge_loops;
 mod grid;
 mod hinge;
 mod lines;
@@ -9,6 +10,7 @@ mod mend;
 mod mesh;
 mod orient;
 mod pieces;
+mod quads;
 mod recognise;
 mod renew;
 mod strip;
@@ -24,6 +26,8 @@ pub(crate) use lines::{Along, Thread, regular_runs, threads};
 pub use mend::Mended;
 pub use mesh::MeshSource;
 pub use pieces::Pieces;
+pub use quads::Quads;
+pub(crate) use quads::{FADING, QuadsRest, normal, star};
 pub(crate) use strip::strips;
 pub(crate) use surgery::{Crossing, Surgery};
 pub(crate) use weave::Weave;
@@ -101,6 +105,13 @@ pub struct Topology {
     pub mended: Mended,
     /// The rectangle's rows and columns, if it is one, or was before it was taken apart.
     pub grid: Option<Grid>,
+    /// Its rows and columns of quads, if it is a mesh that has such; `None` again once it was taken apart.
+    pub quads: Option<Quads>,
+    /// Of a mesh with rows and columns, also after it was taken apart: the corner of each triangle that is not on the diagonal of its cell;
+    /// [`NO_SQUARE`] for a part of one. Else empty.
+    pub(crate) squares: Vec<u8>,
+    /// Whether texture coordinates told where the warp runs.
+    pub(crate) is_warp_told: bool,
     /// What is left of the rectangle, once it was taken apart.
     pub(crate) weave: Option<Box<Weave>>,
     /// How many triangles it had before it was taken apart.
@@ -108,6 +119,9 @@ pub struct Topology {
     /// Where new particles go: behind all there ever were, and the padding after them.
     pub(crate) free: u32,
 }
+
+/// See [`Topology::squares`].
+pub(crate) const NO_SQUARE: u8 = 3;
 
 impl Topology {
     /// The topology in `shared` to be changed: itself if nobody else has it, else a copy, with room for an eighth more than there
@@ -129,6 +143,9 @@ impl Topology {
                 joints: shared.joints.clone(),
                 mended: shared.mended,
                 grid: shared.grid,
+                quads: shared.quads,
+                squares: with_room(&shared.squares),
+                is_warp_told: shared.is_warp_told,
                 weave: shared.weave.clone(),
                 original_triangles: shared.original_triangles,
                 free: shared.free,

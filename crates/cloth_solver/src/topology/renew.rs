@@ -16,6 +16,9 @@ pub(super) fn take_out(topology: &mut Topology, removed: &[bool]) {
     retain(&mut topology.triangle_vertices, removed);
     retain(&mut topology.triangle_rest, removed);
     retain(&mut topology.triangle_backs, removed);
+    if !topology.squares.is_empty() {
+        retain(&mut topology.squares, removed);
+    }
     let mut left = 0;
     let number: Vec<u32> = (removed.iter())
         .map(|removed| {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use super::weave::{NONE, Weave};
-use super::{Born, BornVertex, Change, Topology, hinge, renew, with_room};
+use super::{Born, BornVertex, Change, NO_SQUARE, Topology, hinge, renew, with_room};
 use crate::lanes::LANES;
 
 /// Where an edge is divided.
@@ -161,6 +161,9 @@ impl<'a> Surgery<'a> {
                 if has_backs {
                     self.topology.triangle_backs[triangle] = part.map(|p| p.back);
                 }
+                if let Some(square) = self.topology.squares.get_mut(triangle) {
+                    *square = NO_SQUARE;
+                }
             } else {
                 if has_backs {
                     self.topology.triangle_backs.push(part.map(|p| p.back));
@@ -169,6 +172,9 @@ impl<'a> Surgery<'a> {
                 self.topology.triangle_vertices.push(drawn);
                 self.topology.triangle_rest.push(rest);
                 self.halves.push(NONE);
+                if !self.topology.squares.is_empty() {
+                    self.topology.squares.push(NO_SQUARE);
+                }
                 self.change.triangles.push(source);
             }
         }
@@ -351,6 +357,7 @@ impl<'a> Surgery<'a> {
             return None;
         }
         let topology = self.topology;
+        topology.quads = None;
         if !self.removed.is_empty() {
             self.removed.resize(topology.triangles.len(), false);
             renew::take_out(topology, &self.removed);

@@ -4,7 +4,7 @@
 //! parts of triangles that were cut, and halves of cells whose other half is gone.
 
 use super::grid::is_even;
-use super::{Grid, Topology};
+use super::{Grid, NO_SQUARE, Topology};
 
 /// Not a half of a cell, or no corner.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -81,6 +81,12 @@ impl Topology {
     /// corners on the diagonal have another half; a third of the triangle elsewhere.
     pub(crate) fn corner_areas(&self, triangle: u32) -> [f32; 3] {
         let area = 0.5 * self.triangle_rest[triangle as usize].determinant();
+        if let Some(square) = self.squares.get(triangle as usize) {
+            return match *square {
+                NO_SQUARE => [area / 3.0; 3],
+                square => quarters(area, usize::from(square)),
+            };
+        }
         let half = match (&self.weave, &self.grid) {
             (Some(weave), _) => weave.halves[triangle as usize],
             (None, Some(_)) => triangle,
@@ -92,8 +98,13 @@ impl Topology {
             (true, _) | (false, 1) => 2,
             (false, _) => 0,
         };
-        let mut areas = [0.25 * area; 3];
-        areas[square] = 0.5 * area;
-        areas
+        quarters(area, square)
     }
+}
+
+/// Half of a triangle for its corner `square`, which has no part in the other half of its cell.
+fn quarters(area: f32, square: usize) -> [f32; 3] {
+    let mut areas = [0.25 * area; 3];
+    areas[square] = 0.5 * area;
+    areas
 }

@@ -14,7 +14,7 @@
 //! into working memory (stride 8).
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 use crate::Soa3;
 use crate::constraint::kernel::links::{Block, Links};
@@ -71,6 +71,8 @@ pub(crate) struct Links8 {
     target: Vec<f32>,
     /// See [`filter`]: what of the tension per length is filtered, N/m.
     excess: Vec<f32>,
+    /// Of closed lines: what of the last link's column is left below the diagonal once the others are eliminated; else empty.
+    ring: Vec<f32>,
     /// Working memory.
     right: Vec<f32>,
     /// The multipliers of the substep so far, N·s².
@@ -87,9 +89,15 @@ impl Links8 {
             inverse: numbers(),
             target: numbers(),
             excess: numbers(),
+            ring: Vec::new(),
             right: numbers(),
             lambda: numbers(),
         }
+    }
+
+    /// The same for lines that run back into themselves.
+    pub fn closed(len: usize) -> Self {
+        Self { ring: vec![0.0; len], ..Self::new(len) }
     }
 }
 
@@ -100,13 +108,14 @@ pub(crate) struct Elimination {
     vector: Soa3,
     upper: Vec<f32>,
     far: Vec<f32>,
+    ring: Vec<f32>,
 }
 
 impl Elimination {
     /// For runs of up to `longest` particles.
     pub fn new(longest: usize) -> Self {
         let len = longest * LANES;
-        Self { vector: Soa3::zeros(len), upper: vec![0.0; len], far: vec![0.0; len] }
+        Self { vector: Soa3::zeros(len), upper: vec![0.0; len], far: vec![0.0; len], ring: vec![0.0; len] }
     }
 }
 
@@ -170,15 +179,18 @@ pub(in crate::constraint) fn target<S: Simd>(
 ///
 /// The `FIRST` pass of a substep finds directions and factors; later ones, after the lines across, go on from its multipliers.
 /// `compliance` is α̃ = α/(kick h), 1/kg.
+///
+/// A `CLOSED` line has a last link, from its last particle to its first, which is eliminated last: its column of the matrix, b, is 0 but
+/// for its neighbours, and `bᵀ T⁻¹ r = (L⁻¹ b)ᵀ D⁻¹ (L⁻¹ r)` is summed up on the way forth.
 #[inline(always)]
-pub(crate) fn stretch<S: Simd, const FIRST: bool>(
+pub(crate) fn stretch<S: Simd, L: Links, const FIRST: bool, const CLOSED: bool>(
     simd: S,
     block: Block,
     position: &Soa3,
     moved: &mut Soa3,
     inverse_mass: &[f32],
     (compliance, how): (f32x8<S>, How),
-    links: impl Links,
+    links: L,
     of: &mut Links8,
 ) -> Met<S> {
     let Block { count, spacing, .. } = block;
@@ -192,31 +204,54 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
     let mut w = load(simd, inverse_mass, block.at(0));
     let mut last = Vec3x8 { x: zero, y: zero, z: zero };
     let (mut last_inverse, mut last_right) = (zero, zero);
-    for k in 0..count - 1 {
-        let (next, link) = (block.at(k + 1), block.link(k));
+    let mut ring = Ring { pull: last, column: zero, along: zero, square: zero, last: zero };
+    if CLOSED && FIRST {
+        let (end, x_end, moves_end) = (block.at(count - 1), x, moves);
+        let (x, moves) = (Vec3x8::load(simd, position, end), Vec3x8::load(simd, moved, end));
+        ring.pull = pull_of(simd, x_end - x, moves_end - moves, short, how.turned()).0;
+        ring.pull.store(&mut of.pull, block.link(count - 1));
+    }
+    for k in 0..if CLOSED { count } else { count - 1 } {
+        let is_last = CLOSED && k == count - 1;
+        let (next, link) = (block.at(if is_last { 0 } else { k + 1 }), block.link(k));
         let (x_next, moves_next) = (Vec3x8::load(simd, position, next), Vec3x8::load(simd, moved, next));
         let (before, turn) = (x_next - x, moves_next - moves);
         let d = before + turn;
         let rest = links.rest(simd, k, rest);
         let compliance = links.compliance(simd, k, compliance);
         let is_there = compliance.simd_lt(splat(simd, NO_LINK));
-        met.change = met.change.max(is_there.select(turn.dot(turn), zero));
+        let change = turn.dot(turn);
+        let change = if L::VARIED { change * links.shorter(simd, k) * links.shorter(simd, k) } else { change };
+        met.change = met.change.max(is_there.select(change, zero));
         let (off, inverse, mut left) = if FIRST {
             let w_next = load(simd, inverse_mass, next);
-            // A link of no length has no direction: it gets the one that it is about to have, or none. So does what turns by 60° and
-            // more: a pull along where it pointed would not mend it.
-            let (had, length) = (before.length(), d.length());
-            let normal = d * (one / length.max(tiny));
-            let before = before * (one / had.max(tiny));
-            let calm = splat(simd, how.turned());
-            let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(calm);
+            let (pull, is_calm) = pull_of(simd, before, turn, short, how.turned());
             let has_turned = is_there & !is_calm & (w + w_next).simd_gt(zero);
             met.turned = met.turned.max(has_turned.select(one, zero));
-            let pull = select(is_calm, before, normal);
             let off = -(w * last.dot(pull));
+            let diagonal = (w + w_next) * pull.dot(pull) + compliance;
             // Only neighbours that are both pinned, of an infinitely stiff fabric, make the pivot 0; λ is of no use there.
-            let inverse = one / ((w + w_next) * pull.dot(pull) + compliance - off * off * last_inverse).max(tiny);
-            pull.store(&mut of.pull, link);
+            let inverse = if is_last {
+                // Its neighbour before it is of the column, too.
+                one / (diagonal - ring.square).max(tiny)
+            } else {
+                one / (diagonal - off * off * last_inverse).max(tiny)
+            };
+            if CLOSED && !is_last {
+                let mut column = -(off * last_inverse * ring.column);
+                if k == 0 {
+                    column -= w * ring.pull.dot(pull);
+                }
+                if k == count - 2 {
+                    column -= w_next * ring.pull.dot(pull);
+                }
+                ring.column = column;
+                ring.square += column * column * inverse;
+                store(column * inverse, &mut of.ring, link);
+            }
+            if !is_last {
+                pull.store(&mut of.pull, link);
+            }
             store(off, &mut of.off, link);
             store(inverse, &mut of.inverse, link);
             (last, w) = (pull, w_next);
@@ -230,12 +265,21 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
             if how.by_length {
                 let target = target(simd, d, pull, along, rest);
                 let shift = (target - load(simd, &of.target, link)).abs();
+                let shift = if L::VARIED { shift * links.shorter(simd, k) } else { shift };
                 met.shift = met.shift.max(is_there.select(shift, zero));
                 store(target, &mut of.target, link);
             }
             let left = load(simd, &of.target, link) - compliance * load(simd, &of.lambda, link) - along;
             (load(simd, &of.off, link), load(simd, &of.inverse, link), left)
         };
+        if is_last {
+            ring.last = (left - ring.along) * inverse;
+            break;
+        }
+        if CLOSED {
+            // L⁻¹ r, before D⁻¹.
+            ring.along += load(simd, &of.ring, link) * (left - off * last_right);
+        }
         left = (left - off * last_right) * inverse;
         store(left, &mut of.right, link);
         (last_inverse, last_right) = (inverse, left);
@@ -245,36 +289,97 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
     // Back substitution; particle k+1 is corrected once the multipliers on both its sides are known.
     let (mut lambda_above, mut newton_above, mut off_above) = (zero, zero, zero);
     let mut pull_above = Vec3x8 { x: zero, y: zero, z: zero };
+    if CLOSED {
+        let link = block.link(count - 1);
+        let (lambda, delta) = gone_on::<S, FIRST>(simd, ring.last, &of.lambda, link);
+        store(lambda, &mut of.lambda, link);
+        pull_above = Vec3x8::load(simd, &of.pull, link) * delta;
+        lambda_above = if L::VARIED { lambda * links.shorter(simd, count - 1) } else { lambda };
+        if !FIRST {
+            let left = (delta * load(simd, inverse_mass, block.at(0))).abs();
+            met.left = if L::VARIED { left * links.shorter(simd, count - 1) } else { left };
+        }
+    }
+    let (pull_around, lambda_around) = (pull_above, lambda_above);
     for k in (0..count - 1).rev() {
         let (at, link) = (block.at(k + 1), block.link(k));
         let w = load(simd, inverse_mass, at);
-        let newton = load(simd, &of.right, link) - off_above * newton_above * load(simd, &of.inverse, link);
-        let (lambda, delta) = if FIRST {
-            (newton, newton)
-        } else {
-            let delta = newton * splat(simd, OVER_RELAXATION);
-            (load(simd, &of.lambda, link) + delta, delta)
-        };
+        let mut newton = load(simd, &of.right, link) - off_above * newton_above * load(simd, &of.inverse, link);
+        if CLOSED {
+            newton -= load(simd, &of.ring, link) * ring.last;
+        }
+        let (lambda, delta) = gone_on::<S, FIRST>(simd, newton, &of.lambda, link);
         store(lambda, &mut of.lambda, link);
         if !FIRST {
-            met.left = met.left.max((delta * w).abs());
+            let left = (delta * w).abs();
+            met.left = met.left.max(if L::VARIED { left * links.shorter(simd, k) } else { left });
         }
-        let load_ratio = -(lambda.min(lambda_above) * w);
+        let pulls = if L::VARIED { lambda * links.shorter(simd, k) } else { lambda };
+        let load_ratio = -(pulls.min(lambda_above) * w);
         met.load = met.load.max(load_ratio);
         met.loads += load_ratio.max(zero);
         let pull = Vec3x8::load(simd, &of.pull, link) * delta;
         (Vec3x8::load(simd, moved, at) + (pull - pull_above) * w).store(moved, at);
-        (lambda_above, newton_above, pull_above) = (lambda, newton, pull);
+        (lambda_above, newton_above, pull_above) = (pulls, newton, pull);
         off_above = load(simd, &of.off, link);
     }
     let w = load(simd, inverse_mass, block.at(0));
-    (Vec3x8::load(simd, moved, block.at(0)) - pull_above * w).store(moved, block.at(0));
+    let at = block.at(0);
+    if CLOSED {
+        (Vec3x8::load(simd, moved, at) + (pull_around - pull_above) * w).store(moved, at);
+        lambda_above = lambda_above.min(lambda_around);
+    } else {
+        (Vec3x8::load(simd, moved, at) - pull_above * w).store(moved, at);
+    }
     met.load = met.load.max(-(lambda_above * w)) * per_spacing;
     met.loads *= per_spacing;
     met.change *= per_spacing * per_spacing;
     met.left *= per_spacing;
     met.shift *= per_spacing;
     met
+}
+
+/// What the last link of a closed line needs of the others.
+struct Ring<S: Simd> {
+    pull: Vec3x8<S>,
+    /// L⁻¹ b at the link at hand.
+    column: f32x8<S>,
+    /// bᵀ T⁻¹ r and bᵀ T⁻¹ b so far.
+    along: f32x8<S>,
+    square: f32x8<S>,
+    /// What its multiplier changes by.
+    last: f32x8<S>,
+}
+
+/// The direction that a link pulls along, which was `before` and turns by `turn`, and whether that is the one it had.
+///
+/// A link of no length has no direction: it gets the one that it is about to have, or none. So does what turns by 60° and more: a
+/// pull along where it pointed would not mend it.
+#[inline(always)]
+fn pull_of<S: Simd>(
+    simd: S,
+    before: Vec3x8<S>,
+    turn: Vec3x8<S>,
+    short: f32x8<S>,
+    turned: f32,
+) -> (Vec3x8<S>, mask32x8<S>) {
+    let (one, tiny) = (splat(simd, 1.0), splat(simd, f32::MIN_POSITIVE));
+    let d = before + turn;
+    let (had, length) = (before.length(), d.length());
+    let normal = d * (one / length.max(tiny));
+    let before = before * (one / had.max(tiny));
+    let is_calm = had.simd_gt(short) & normal.dot(before).simd_gt(splat(simd, turned));
+    (select(is_calm, before, normal), is_calm)
+}
+
+/// The multiplier of a link and what it changes by, if Newton's step is `newton`.
+#[inline(always)]
+fn gone_on<S: Simd, const FIRST: bool>(simd: S, newton: f32x8<S>, lambda: &[f32], link: usize) -> (f32x8<S>, f32x8<S>) {
+    if FIRST {
+        return (newton, newton);
+    }
+    let delta = newton * splat(simd, OVER_RELAXATION);
+    (load(simd, lambda, link) + delta, delta)
 }
 
 /// Slows the waves across runs under a high load: of the tension of each link beyond [`UNFILTERED_LOAD`], e per length, what
@@ -288,7 +393,7 @@ pub(crate) fn stretch<S: Simd, const FIRST: bool>(
 /// e stays as it is while the tension changes little: a stiffness that follows every tension takes part in the motion, and adds to it.
 /// `square` is [`crate::Substep::square`].
 #[inline(always)]
-pub(crate) fn filter<S: Simd>(
+pub(crate) fn filter<S: Simd, const CLOSED: bool>(
     simd: S,
     block: Block,
     position: &Soa3,
@@ -304,8 +409,13 @@ pub(crate) fn filter<S: Simd>(
     let none = Vec3x8 { x: zero, y: zero, z: zero };
     let (mut x, mut w) = (Vec3x8::load(simd, position, block.at(0)), load(simd, inverse_mass, block.at(0)));
     let (mut last, mut last_upper) = (none, zero);
-    for k in 0..block.count - 1 {
-        let next = block.at(k + 1);
+    // Of a closed line, whose last link is eliminated last: its column below the diagonal, its row over its own stiffness right of the
+    // diagonal, and what they make of the right-hand side and of one another.
+    let (first, mut column, mut row, mut around, mut both) = (w, zero, zero, none, zero);
+    let mut last_link = none;
+    for k in 0..if CLOSED { block.count } else { block.count - 1 } {
+        let is_last = CLOSED && k == block.count - 1;
+        let next = block.at(if is_last { 0 } else { k + 1 });
         let (x_next, w_next) = (Vec3x8::load(simd, position, next), load(simd, inverse_mass, next));
         let length = (x_next - x).length();
         let d = Vec3x8::load(simd, &of.pull, block.link(k)) * length;
@@ -318,8 +428,29 @@ pub(crate) fn filter<S: Simd>(
         let excess = was.simd_gt(least).select(was, least).min(most);
         store(excess / square, &mut of.excess, link);
         let stiff = theta * excess;
+        if is_last {
+            let pivot = one + stiff * (w + w_next) - stiff * both;
+            last_link = (d * excess - around * stiff) * (one / pivot);
+            store(excess, &mut work.far, k * LANES);
+            break;
+        }
         let inverse = one / (one + stiff * (w + w_next) - stiff * w * last_upper);
+        if CLOSED {
+            (column, row) = (stiff * w * column, last_upper * row);
+            if k == 0 {
+                (column, row) = (column - stiff * first, row - first);
+            }
+            if k == block.count - 2 {
+                (column, row) = (column - stiff * w_next, row - w_next);
+            }
+            column *= inverse;
+            both += row * column;
+            store(column, &mut work.ring, k * LANES);
+        }
         last = (d * excess + last * (stiff * w)) * inverse;
+        if CLOSED {
+            around = around + last * row;
+        }
         last_upper = stiff * w_next * inverse;
         last.store(&mut work.vector, k * LANES);
         store(last_upper, &mut work.upper, k * LANES);
@@ -329,10 +460,21 @@ pub(crate) fn filter<S: Simd>(
     // Back: φ_k, and what it is less than e d.
     let (mut phi, mut less_above) = (none, none);
     let mut x_next = Vec3x8::load(simd, position, block.at(block.count - 1));
+    if CLOSED {
+        let (k, link) = (block.count - 1, block.link(block.count - 1));
+        let (pull, length) =
+            (Vec3x8::load(simd, &of.pull, link), (Vec3x8::load(simd, position, block.at(0)) - x_next).length());
+        less_above = pull * (length * load(simd, &work.far, k * LANES)) - last_link;
+        store(load(simd, &of.lambda, link) + less_above.dot(pull), &mut of.lambda, link);
+    }
+    let less_around = less_above;
     for k in (0..block.count - 1).rev() {
         let (at, next) = (block.at(k), block.at(k + 1));
         let x = Vec3x8::load(simd, position, at);
         phi = Vec3x8::load(simd, &work.vector, k * LANES) + phi * load(simd, &work.upper, k * LANES);
+        if CLOSED {
+            phi = phi - last_link * load(simd, &work.ring, k * LANES);
+        }
         let (link, length) = (block.link(k), (x_next - x).length());
         let pull = Vec3x8::load(simd, &of.pull, link);
         let less = pull * (length * load(simd, &work.far, k * LANES)) - phi;
@@ -341,6 +483,9 @@ pub(crate) fn filter<S: Simd>(
         (x_next, less_above) = (x, less);
     }
     let at = block.at(0);
+    if CLOSED {
+        less_above = less_above - less_around;
+    }
     (Vec3x8::load(simd, moved, at) - less_above * load(simd, inverse_mass, at)).store(moved, at);
 }
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, f32x8};
 
-use crate::lanes::{LANES, load};
+use crate::lanes::{LANES, load, splat};
 
 use fearless_simd::prelude::*;
 
@@ -48,8 +48,15 @@ impl Block {
 /// run keep their shape.
 pub(in crate::constraint) const GONE: f32 = 1e25;
 
-/// What the kernels ask of the links of a block. Two kinds, so that what is not worn pays nothing.
+/// What the kernels ask of the links of a block. Three kinds, so that what is not worn or all of one length pays nothing.
 pub(crate) trait Links: Copy {
+    /// Whether links are of various lengths.
+    const VARIED: bool = false;
+    /// The block's spacing over the length of link `k`; asked of those that are varied.
+    #[inline(always)]
+    fn shorter<S: Simd>(self, simd: S, _: usize) -> f32x8<S> {
+        splat(simd, 1.0)
+    }
     /// `compliance` of link `k` as worn.
     fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S>;
     /// `rest` of link `k` as worn.
@@ -122,5 +129,41 @@ impl Links for Worn<'_> {
 
     fn every_second(self, from: usize) -> Self {
         Self { first: from, step: 2, ..self }
+    }
+}
+
+/// Links each of a length and width of its own: factors as [`Worn`] has them, wear included, and the spacing over the length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Varied<'a> {
+    pub compliance: &'a [f32],
+    pub rest: &'a [f32],
+    pub shorter: &'a [f32],
+}
+
+impl Links for Varied<'_> {
+    const VARIED: bool = true;
+
+    #[inline(always)]
+    fn shorter<S: Simd>(self, simd: S, k: usize) -> f32x8<S> {
+        load(simd, self.shorter, k * LANES)
+    }
+
+    #[inline(always)]
+    fn compliance<S: Simd>(self, simd: S, k: usize, compliance: f32x8<S>) -> f32x8<S> {
+        compliance * load(simd, self.compliance, k * LANES)
+    }
+
+    #[inline(always)]
+    fn rest<S: Simd>(self, simd: S, k: usize, rest: f32x8<S>) -> f32x8<S> {
+        rest * load(simd, self.rest, k * LANES)
+    }
+
+    #[inline(always)]
+    fn bend<S: Simd>(self, _: S, _: usize, compliance: f32x8<S>) -> f32x8<S> {
+        compliance
+    }
+
+    fn every_second(self, _: usize) -> Self {
+        self
     }
 }

@@ -21,7 +21,7 @@ use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::{Grid, Soa3};
 
 /// ω² h² of the fastest shear wave after smoothing; 4 is the limit of stability.
-const FASTEST: f32 = 2.0;
+pub(super) const FASTEST: f32 = 2.0;
 
 /// The stress of each cell, and the working memory to find it.
 #[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
@@ -146,7 +146,7 @@ impl Stress {
 
 /// 1 up to a stretch of a tenth, less beyond: forces of cells torn apart by an impact would grow with the cube of their size.
 #[inline(always)]
-fn relief<S: Simd>(simd: S, u: Vec3x8<S>, v: Vec3x8<S>) -> f32x8<S> {
+pub(super) fn relief<S: Simd>(simd: S, u: Vec3x8<S>, v: Vec3x8<S>) -> f32x8<S> {
     let one = splat(simd, 1.0);
     let size = (u.dot(u).max(one) * v.dot(v).max(one) * splat(simd, 1.0 / 1.21)).max(one);
     one / (size * size)

@@ -155,7 +155,8 @@ impl Listed {
             lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
         }
         let (compliance, found) = ((splat(simd, stiffness.stretch), stiffness.how), &mut self.found);
-        let met = lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, found);
+        let met =
+            lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_mass, compliance, worn, found);
         self.scatter(simd, work, particles);
         met
     }
@@ -187,7 +188,16 @@ impl Listed {
     pub fn filter<S: Simd>(&mut self, simd: S, particles: &mut Particles, spacing: f32, work: &mut Work, square: f32) {
         self.gather(simd, particles, work);
         let Work { position, moved, inverse_mass, elimination } = &mut *work;
-        lines::filter(simd, self.block(spacing), position, moved, inverse_mass, &mut self.found, elimination, square);
+        lines::filter::<S, false>(
+            simd,
+            self.block(spacing),
+            position,
+            moved,
+            inverse_mass,
+            &mut self.found,
+            elimination,
+            square,
+        );
         self.scatter(simd, work, particles);
     }
 }

@@ -1,4 +1,5 @@
-//! The constraints of a mesh that is no grid: bending, then triangles, then strips of triangles.
+//! The constraints of a mesh that is no grid: bending, then triangles, then strips of triangles; or, of a mesh of quads, all along its
+//! rows and columns.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -10,6 +11,7 @@ use crate::constraint::kernel::strips::{Packs, Strips};
 use crate::constraint::kernel::triangles::{Of, Triangles};
 use crate::constraint::surface::force::MeshForces;
 use crate::constraint::surface::passes::Passes;
+use crate::constraint::surface::quads::QuadConstraints;
 use crate::constraint::tension::Tensions;
 use crate::constraint::wear::Wear;
 use crate::method::Method;
@@ -30,6 +32,8 @@ const UNSTABLE_LOAD: f32 = 1.35 * LARGEST_LOAD;
 pub(in crate::constraint) struct MeshConstraints {
     triangles: Triangles,
     shear: Option<Box<MeshShear>>,
+    /// In place of all others, of a mesh of quads where the method solves lines.
+    quads: Option<Box<QuadConstraints>>,
     /// Stretch along weft and warp, where the method solves it along strips.
     strips: Option<Box<[Strips; 2]>>,
     packs: Packs,
@@ -48,8 +52,9 @@ impl MeshConstraints {
         let mut made = Self {
             triangles: Triangles::new(topology, &all(topology.triangles.len()), fabric),
             shear: None,
+            quads: None,
             strips: None,
-            packs: Packs::new(topology.slots()),
+            packs: Packs::default(),
             bending: None,
             hinges: None,
             fabric: *fabric,
@@ -69,6 +74,12 @@ impl MeshConstraints {
             });
         }
         let fabric = &self.fabric;
+        self.quads =
+            if method == Method::XpbdLines { QuadConstraints::new(topology, fabric).map(Box::new) } else { None };
+        if self.quads.is_some() {
+            (self.hinges, self.bending, self.strips, self.shear) = (None, None, None, None);
+            return;
+        }
         let bends = !method.steps_forces() && (fabric.bend_warp > 0.0 || fabric.bend_weft > 0.0);
         let is_rigid = method == Method::Pbd;
         if (bends && is_rigid) != self.hinges.is_some() {
@@ -81,6 +92,7 @@ impl MeshConstraints {
         if (method == Method::XpbdLines) != self.strips.is_some() {
             let strips = |along| Strips::new(topology, along, &self.fabric);
             self.strips = (method == Method::XpbdLines).then(|| Box::new([Along::Weft, Along::Warp].map(strips)));
+            self.packs = Packs::new(topology.slots());
             self.packs.fit(self.strips.as_ref().map_or(&[], |strips| strips.as_slice()));
             self.shear = self.strips.as_ref().and_then(|_| MeshShear::new(topology, fabric).map(Box::new));
         }
@@ -98,6 +110,9 @@ impl MeshConstraints {
     /// Takes over what became of the particles.
     pub fn wear(&mut self, wear: Option<Wear<'_>>) {
         self.triangles.wear(wear);
+        if let Some(quads) = &mut self.quads {
+            quads.wear(wear);
+        }
         self.strips.iter_mut().flat_map(|strips| strips.iter_mut()).for_each(|strips| strips.wear(wear));
         if let Some(shear) = &mut self.shear {
             shear.wear(wear);
@@ -106,14 +121,18 @@ impl MeshConstraints {
 
     /// Adds the tensions in the last substep, of that [`Substep::square`].
     pub fn add_tensions(&mut self, square: f32, to: &mut Tensions) {
-        match &self.strips {
-            Some(strips) => strips.iter().for_each(|strips| strips.add_tensions(square, to)),
-            None => self.triangles.add_tensions(square, to),
+        match (&self.quads, &self.strips) {
+            (Some(quads), _) => quads.add_tensions(square, to),
+            (None, Some(strips)) => strips.iter().for_each(|strips| strips.add_tensions(square, to)),
+            (None, None) => self.triangles.add_tensions(square, to),
         }
     }
 
     /// Number of constraints.
     pub fn count(&self) -> usize {
+        if let Some(quads) = &self.quads {
+            return quads.count();
+        }
         let of_triangles = match &self.strips {
             Some(strips) => {
                 let shear = self.shear.as_ref().map_or(0, |shear| shear.count());
@@ -127,6 +146,9 @@ impl MeshConstraints {
 
     /// ω² H² of the fastest waves of bending and of shear in a substep of length H, s, without filter.
     pub fn fastest(&self, particles: &Particles, h: f32) -> [f32; 2] {
+        if let Some(quads) = &self.quads {
+            return quads.fastest(h);
+        }
         let bending = self.bending.as_ref().map_or(0.0, |bending| bending.fastest(&particles.inverse_mass, h * h));
         [bending, self.shear.as_ref().map_or(0.0, |shear| shear.fastest(h * h))]
     }
@@ -134,6 +156,9 @@ impl MeshConstraints {
     /// Once in a substep.
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
+        if let Some(quads) = &mut self.quads {
+            return quads.solve(simd, particles, sub);
+        }
         if let Some(bending) = &mut self.bending {
             bending.push(simd, particles, sub);
         }

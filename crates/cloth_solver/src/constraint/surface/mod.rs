@@ -7,6 +7,7 @@ pub(in crate::constraint) mod mesh;
 pub(in crate::constraint) mod nudge;
 mod passes;
 mod patch;
+mod quads;
 
 use crate::constraint::wear::Wear;
 use grid::GridConstraints;

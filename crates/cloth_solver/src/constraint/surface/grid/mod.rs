@@ -358,13 +358,13 @@ impl GridConstraints {
 }
 
 /// The eight rows from `first` on, in lanes.
-fn row_block(grid: &Grid, first: usize) -> Block {
+pub(in crate::constraint::surface) fn row_block(grid: &Grid, first: usize) -> Block {
     let (stride, count) = (grid.stride as usize, grid.columns as usize);
     Block { base: first * stride, stride: LANES, count, spacing: grid.spacing.x, links: first * count }
 }
 
 /// The eight columns from `base` on.
-fn column_block(grid: &Grid, base: usize) -> Block {
+pub(in crate::constraint::surface) fn column_block(grid: &Grid, base: usize) -> Block {
     let (stride, count) = (grid.stride as usize, grid.rows as usize);
     Block { base, stride, count, spacing: grid.spacing.y, links: base * count }
 }
@@ -413,7 +413,14 @@ fn worn(worn: &Option<Box<WornGrid>>, along: Along, first: usize, block: Block) 
 
 /// Eight rows of vectors into lanes.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, base: usize, rows: Rows, first: usize) {
+pub(in crate::constraint::surface) fn gather<S: Simd>(
+    simd: S,
+    from: &Soa3,
+    to: &mut Soa3,
+    base: usize,
+    rows: Rows,
+    first: usize,
+) {
     lines::gather_rows(simd, &from.x, &mut to.x, base, rows, first);
     lines::gather_rows(simd, &from.y, &mut to.y, base, rows, first);
     lines::gather_rows(simd, &from.z, &mut to.z, base, rows, first);
@@ -421,7 +428,14 @@ fn gather<S: Simd>(simd: S, from: &Soa3, to: &mut Soa3, base: usize, rows: Rows,
 
 /// Eight rows of vectors back from lanes.
 #[inline(always)]
-fn scatter<S: Simd>(simd: S, from: &Soa3, base: usize, to: &mut Soa3, rows: Rows, first: usize) {
+pub(in crate::constraint::surface) fn scatter<S: Simd>(
+    simd: S,
+    from: &Soa3,
+    base: usize,
+    to: &mut Soa3,
+    rows: Rows,
+    first: usize,
+) {
     lines::scatter_rows(simd, &from.x, base, &mut to.x, rows, first);
     lines::scatter_rows(simd, &from.y, base, &mut to.y, rows, first);
     lines::scatter_rows(simd, &from.z, base, &mut to.z, rows, first);

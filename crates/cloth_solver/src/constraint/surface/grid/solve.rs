@@ -146,7 +146,7 @@ impl GridConstraints {
             let block = row_block(&self.grid, first);
             let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
             gather(simd, &particles.moved, moved, block.base, rows, first);
-            lines::filter(simd, block, position, moved, inverse_mass, &mut self.weft, elimination, square);
+            lines::filter::<S, false>(simd, block, position, moved, inverse_mass, &mut self.weft, elimination, square);
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
         if let Some(patch) = &mut self.patch {
@@ -160,7 +160,7 @@ impl GridConstraints {
             if is_block(&self.patch, Along::Warp, base) {
                 let Particles { position, moved, inverse_mass, .. } = &mut *particles;
                 let block = column_block(&self.grid, base);
-                lines::filter(
+                lines::filter::<S, false>(
                     simd,
                     block,
                     position,
@@ -204,13 +204,22 @@ impl On<'_> {
                 if FIRST && let Some(bend) = stiffness.bend(simd, width) {
                     lines::bend(simd, block, position, moved, inverse_mass, bend, New, work);
                 }
-                lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, New, links)
+                lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_mass, compliance, New, links)
             }
             Some(worn) => {
                 if FIRST && let Some(bend) = stiffness.bend(simd, width) {
                     lines::bend(simd, block, position, moved, inverse_mass, bend, worn, work);
                 }
-                lines::stretch::<S, FIRST>(simd, block, position, moved, inverse_mass, compliance, worn, links)
+                lines::stretch::<S, _, FIRST, false>(
+                    simd,
+                    block,
+                    position,
+                    moved,
+                    inverse_mass,
+                    compliance,
+                    worn,
+                    links,
+                )
             }
         }
     }

@@ -2,7 +2,7 @@
 //! fabrics. `assets/models/garments.py` makes the model; the table of names is in the module `bevy_cloth::gltf`.
 //!
 //! ```sh
-//! cargo run --release --features gltf --example gltf
+//! cargo run --release --example gltf
 //! ```
 
 use bevy::camera::{primitives::Aabb, visibility::VisibilityClass};
@@ -27,7 +27,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>, mut wind: ResMut<Shar
     wind.0 = Wind(Vec3::new(2.0, 0.0, 0.5));
     commands.spawn((
         Camera3d::default(),
-        Transform::from_xyz(5.5, 2.0, 0.5).looking_at(Vec3::new(0.0, 1.3, -0.5), Vec3::Y),
+        Transform::from_xyz(6.5, 2.0, -0.7).looking_at(Vec3::new(0.0, 1.2, -1.0), Vec3::Y),
     ));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },

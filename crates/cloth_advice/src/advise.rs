@@ -239,7 +239,7 @@ mod tests {
         let mut sample = ledge(Fabric { damping: 0.0, ..Fabric::COTTON_POPLIN });
         let report = advise(&sample, Settings { tolerance: 1.0, seconds: 0.2 }, &Progress::default()).unwrap();
         assert!(!report.by_mean && report.bar == 1.0);
-        sample.tick.substeps = 2;
+        sample.tick = Tick::fixed(sample.tick.dt, 2);
         let report = advise(&sample, Settings { tolerance: 1e-9, seconds: 0.2 }, &Progress::default()).unwrap();
         assert!(report.by_mean && report.bar > 1e-9, "{report:?}");
     }

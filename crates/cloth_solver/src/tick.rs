@@ -108,8 +108,9 @@ pub struct Effort {
 pub struct Pace {
     /// Substeps to a tick that are asked for.
     asked: f32,
-    /// Length of the tick, s.
+    /// Length of the tick, s, and its least number of substeps.
     dt: f32,
+    least: f32,
     /// Where in the tick the next substep starts.
     at: f32,
     /// Substeps taken in this tick, those that were repeated included.
@@ -150,11 +151,16 @@ impl Pace {
     pub fn begin(&mut self, tick: &Tick, at_least: f32) {
         let [least, most] = tick.range();
         (self.at, self.taken) = (0.0, 0);
-        let first = if self.smoothed > 0.0 { self.smoothed } else { tick.dt / least };
-        self.smoothed = first.max(tick.dt / most);
+        if self.smoothed <= 0.0 {
+            self.smoothed = tick.dt / least;
+        } else if tick.dt == self.dt && least != self.least {
+            // Another budget, not another tick.
+            self.smoothed *= self.least / least;
+        }
+        self.smoothed = self.smoothed.max(tick.dt / most);
         // What is asked for is a length of substeps, whatever that of the tick is.
         let as_long = if self.dt > 0.0 { self.asked * tick.dt / self.dt } else { self.asked };
-        (self.asked, self.dt) = (as_long.max(at_least).clamp(least, most), tick.dt);
+        (self.asked, self.dt, self.least) = (as_long.max(at_least).clamp(least, most), tick.dt, least);
     }
 
     /// The substep at hand; `None` if the tick is over.

@@ -174,7 +174,9 @@ mod tests {
             .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0]]);
         let mut attributes = Attributes::of(&mesh, 2);
         let vertices = vec![BornVertex { parents: [0, 1], t: 0.75 }, BornVertex { parents: [1, 1], t: 0.0 }];
-        attributes.follow(&Change { vertices, ..Change::default() });
+        let mut change = Change::default();
+        change.vertices.extend(vertices);
+        attributes.follow(&change);
         let Some(Float32x2(uvs)) = attributes.get(Mesh::ATTRIBUTE_UV_1) else { panic!("no second coordinates") };
         assert_eq!(uvs[2..], [[0.75, 7.0], [1.0, 8.0]]);
         let Some(Uint16x4(joints)) = attributes.get(Mesh::ATTRIBUTE_JOINT_INDEX) else { panic!("no joints") };

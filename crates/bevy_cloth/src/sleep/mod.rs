@@ -24,7 +24,7 @@ pub(crate) use wake::wake_up;
 ///
 /// It wakes when a component of its own or a shared setting changes, when its entity or what its pins follow moves, when a
 /// collider near it moves, comes or goes, when wind reaches it, when it is grabbed, torn, cut, lit or reset, when a system
-/// writes to its [`Particles`](crate::Particles), when a cloth near it wakes or comes near that both keep off (see
+/// writes to its [`Particles`], when a cloth near it wakes or comes near that both keep off (see
 /// [`SelfContact`](crate::SelfContact); such cloths fall asleep together), and when [`WakeCloth`](crate::WakeCloth) asks for it. Each change of
 /// [`ClothAsleep`] is an event: [`ClothFellAsleep`], [`ClothWoke`].
 ///

@@ -208,7 +208,7 @@ fn load_raises_the_substeps_up_to_the_maximum_and_rest_brings_them_back() {
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 12);
     app.world_mut().entity_mut(cloth).insert(Gravity(Vec3::ZERO));
     app.world_mut().trigger(ResetCloth { entity: cloth });
-    run(&mut app, 80);
+    run(&mut app, 64);
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 2);
 }
 

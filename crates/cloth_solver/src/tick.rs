@@ -108,15 +108,13 @@ pub struct Effort {
 pub struct Pace {
     /// Substeps to a tick that are asked for.
     asked: f32,
-    /// Length of the tick, s, and its least number of substeps.
-    dt: f32,
-    least: f32,
     /// Where in the tick the next substep starts.
     at: f32,
     /// Substeps taken in this tick, those that were repeated included.
     taken: u32,
-    /// The length of a substep that forces are smoothed for, s: kept from tick to tick, whatever their length. 0 before the first.
-    smoothed: f32,
+    /// How many times shorter than by the least number of substeps the substep is that forces are smoothed for, a power of [`STEP`];
+    /// below 1 before the first substep.
+    shorter: f32,
     /// For how long it should have been shorter than that, s; below 0 longer.
     due: f32,
     /// Length of the last substep that was accepted, s; 0 before the first.
@@ -151,16 +149,7 @@ impl Pace {
     pub fn begin(&mut self, tick: &Tick, at_least: f32) {
         let [least, most] = tick.range();
         (self.at, self.taken) = (0.0, 0);
-        if self.smoothed <= 0.0 {
-            self.smoothed = tick.dt / least;
-        } else if tick.dt == self.dt && least != self.least {
-            // Another budget, not another tick.
-            self.smoothed *= self.least / least;
-        }
-        self.smoothed = self.smoothed.max(tick.dt / most);
-        // What is asked for is a length of substeps, whatever that of the tick is.
-        let as_long = if self.dt > 0.0 { self.asked * tick.dt / self.dt } else { self.asked };
-        (self.asked, self.dt, self.least) = (as_long.max(at_least).clamp(least, most), tick.dt, least);
+        self.asked = self.asked.max(at_least).clamp(least, most);
     }
 
     /// The substep at hand; `None` if the tick is over.
@@ -178,7 +167,7 @@ impl Pace {
     /// The number of substeps that forces are smoothed for.
     fn floor(&self, tick: &Tick) -> f32 {
         let [least, most] = tick.range();
-        (tick.dt / self.smoothed).max(least).min(most)
+        (least * self.shorter).clamp(least, most)
     }
 
     /// The substep at hand if so many are `left` in the tick, at least 1; `None` if the tick is over.
@@ -186,11 +175,13 @@ impl Pace {
         if self.at >= 1.0 {
             return None;
         }
+        let floor = self.floor(tick);
         let end = if left == 1.0 { 1.0 } else { self.at + (1.0 - self.at) / left };
         let h = tick.dt * (1.0 - self.at) / left;
         // Not the shortest that this tick takes: a change of stiffness adds energy or takes some.
-        let (longest, iterations) = (self.smoothed.max(h), tick.iterations.max(1));
+        let longest = (tick.dt / floor).max(h);
         let kick = 0.5 * (h + self.last);
+        let (longest, iterations) = (longest.max(h), tick.iterations.max(1));
         Some(Substep { h, kick, longest, start: self.at, end, implicit: self.implicit, iterations })
     }
 
@@ -212,25 +203,18 @@ impl Pace {
         self.implicit &= effort.motion > CALM * MOTION;
         self.asked = asked.max(FADE * self.asked);
         (self.at, self.last) = (sub.end, sub.h);
-        self.smooth(sub.h, tick.dt / self.asked, tick.dt / least);
-        true
-    }
-
-    /// Takes note that a substep of `h` s was taken where `wanted` s would do, `allowed` at most.
-    fn smooth(&mut self, h: f32, wanted: f32, allowed: f32) {
-        let towards = |due: f32| if due > 0.0 { (due - h).max(0.0) } else { (due + h).min(0.0) };
-        self.due = if STEP * wanted < self.smoothed {
-            self.due + h
-        } else if CALM * wanted > self.smoothed && self.smoothed < allowed {
-            self.due - h
-        } else {
-            towards(self.due)
-        };
+        self.shorter = self.shorter.max(1.0);
+        let floor = least * self.shorter;
+        if self.asked > STEP * floor {
+            self.due += sub.h;
+        } else if self.asked < CALM * floor && self.shorter > 1.0 {
+            self.due -= sub.h;
+        }
         if self.due.abs() > PATIENCE {
-            let longer = (STEP * self.smoothed).min(allowed);
-            self.smoothed = if self.due > 0.0 { self.smoothed / STEP } else { longer };
+            self.shorter = (self.shorter * if self.due > 0.0 { STEP } else { 1.0 / STEP }).max(1.0);
             self.due = 0.0;
         }
+        true
     }
 
     /// Takes back that a substep was accepted, because a cloth that steps together with this one has to repeat it; `before` is what

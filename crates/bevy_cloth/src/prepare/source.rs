@@ -25,6 +25,7 @@ pub(crate) struct Skin {
     /// All other attributes of the mesh.
     pub attributes: Attributes,
     /// For each slot whether it lies on the border that the whole cloth had, or empty where nothing is drawn.
+    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only drawing asks"))]
     pub hem: Vec<bool>,
 }
 

@@ -203,7 +203,9 @@ fn load_raises_the_substeps_up_to_the_maximum_and_rest_brings_them_back() {
     let budget = Substeps { count: 2, max: 12, ..default() };
     let cloth =
         (Cloth::rectangle(1.0, 2.0), Pins::rods(2), budget, Gravity(Vec3::NEG_Y * 100.0), ClothStats::default());
-    let cloth = app.world_mut().spawn((cloth, ClothSleep::NEVER)).id();
+    // Stiffer shear asks for more than two substeps at rest, too.
+    let fabric = Fabric { shear: 10.0, ..Fabric::COTTON_POPLIN };
+    let cloth = app.world_mut().spawn((cloth, fabric, ClothSleep::NEVER)).id();
     run(&mut app, 30);
     assert_eq!(get::<ClothStats>(&app, cloth).substeps, 12);
     app.world_mut().entity_mut(cloth).insert(Gravity(Vec3::ZERO));

@@ -99,9 +99,9 @@ impl Played {
 
 /// The scenes of the plan that need the plugin, and where they are tested.
 pub const ELSEWHERE: [(&str, &str); 4] = [
-    ("14, NaN forces and transforms", "`tests/recovery.rs`, `tests/bad_collider.rs`"),
-    ("17, frame rates", "`tests/frame_rate.rs`, `tests/clock.rs`"),
-    ("21, spawning and despawning", "`tests/despawn.rs`, `tests/changes.rs`"),
+    ("14, NaN forces and transforms", "`tests/behaviour/recovery.rs`, `tests/behaviour/bad_collider.rs`"),
+    ("17, frame rates", "`tests/behaviour/frame_rate.rs`, `tests/behaviour/clock.rs`"),
+    ("21, spawning and despawning", "`tests/behaviour/despawn.rs`, `tests/behaviour/changes.rs`"),
     ("34 and 35, known answers", "[validate.md](validate.md)"),
 ];
 

@@ -153,6 +153,13 @@ impl<S: Simd> Met<S> {
             shift: self.shift.max(other.shift),
         }
     }
+
+    /// The mean load of so many `links`.
+    #[inline(always)]
+    pub fn mean_load(self, links: usize) -> f32 {
+        let loads: [f32; LANES] = self.loads.into();
+        loads.iter().sum::<f32>() / links as f32
+    }
 }
 
 /// How long link `d`, `along` of it along its `pull`, is to be along that, so that its length is `rest`: exact if it is moved along its pull.

@@ -190,11 +190,7 @@ impl QuadConstraints {
         let loads = [rows, columns].map(|met| met.load.reduce_max());
         let mut met = rows.and(columns);
         let links = [self.plan.rows * self.plan.across, self.plan.columns * (self.plan.rows - 1)];
-        let mut mean_load = 0.0_f32;
-        for (met, links) in [rows, columns].into_iter().zip(links) {
-            let loads: [f32; LANES] = met.loads.into();
-            mean_load = mean_load.max(loads.iter().sum::<f32>() / links as f32);
-        }
+        let mean_load = rows.mean_load(links[0]).max(columns.mean_load(links[1]));
         if loads[0] > lines::UNFILTERED_LOAD {
             self.filter_rows(simd, particles, sub.square());
         }

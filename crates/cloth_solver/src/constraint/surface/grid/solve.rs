@@ -28,11 +28,7 @@ impl GridConstraints {
         let loads = [rows, columns].map(|met| met.load.reduce_max());
         let mut met = rows.and(columns);
         let links = [self.grid.rows * (self.grid.columns - 1), self.grid.columns * (self.grid.rows - 1)];
-        let mean = |met: Met<S>, links: u32| {
-            let loads: [f32; LANES] = met.loads.into();
-            loads.iter().sum::<f32>() / links as f32
-        };
-        let mean_load = mean(rows, links[0]).max(mean(columns, links[1]));
+        let mean_load = rows.mean_load(links[0] as usize).max(columns.mean_load(links[1] as usize));
         if loads[0] > lines::UNFILTERED_LOAD {
             self.filter_rows(simd, particles, sub.square());
         }

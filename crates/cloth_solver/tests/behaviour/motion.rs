@@ -1,0 +1,161 @@
+//! Free motion: falling, momentum, and that nothing depends on more than the input.
+
+use crate::common::damage::blade;
+use crate::common::*;
+use cloth_solver::{Fabric, measure};
+use glam::{DVec3, Quat, Vec3};
+
+#[test]
+fn cloth_falls_by_half_g_t_squared_whatever_its_stiffness() {
+    for fabric in [Fabric::COTTON_POPLIN, Fabric::COTTON_JERSEY, Fabric::PAPER] {
+        let mut cloth = rectangle(1.0, 1.0, 20, 20, &fabric);
+        run(&mut cloth, 1.0);
+        for (p, rest) in cloth.topology.particles().zip(positions(&cloth)) {
+            let fallen = cloth.topology.rest[p as usize].y - rest.y;
+            assert!((fallen / (0.5 * 9.81) - 1.0).abs() < 0.005, "fell {fallen} m");
+        }
+    }
+}
+
+#[test]
+fn free_cloth_keeps_its_momentum_and_gains_no_energy() {
+    let mut cloth = rectangle(1.0, 1.0, 20, 20, &UNDAMPED);
+    let spin = Vec3::new(0.4, 1.0, 2.0);
+    for p in 0..cloth.topology.slots() {
+        let r = cloth.topology.rest[p];
+        cloth.particles.velocity.set(p, Vec3::new(0.5, 0.0, 0.2) + spin.cross(r));
+    }
+    let start = (
+        measure::linear_momentum(&cloth.particles),
+        measure::angular_momentum(&cloth.particles, DVec3::ZERO),
+        measure::kinetic_energy(&cloth.particles),
+    );
+    for _ in 0..120 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let linear = measure::linear_momentum(&cloth.particles);
+    let angular = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    assert!((linear - start.0).length() < 1e-5 * start.0.length(), "{linear} from {}", start.0);
+    assert!((angular - start.1).length() < 1e-5 * start.1.length(), "{angular} from {}", start.1);
+    assert!(measure::kinetic_energy(&cloth.particles) <= start.2 * 1.001);
+}
+
+#[test]
+fn a_small_swing_keeps_its_height() {
+    let mut cloth = rectangle(1.0, 1.0, 32, 32, &UNDAMPED);
+    pin_top(&mut cloth, 0..=32);
+    for p in 0..cloth.topology.slots() {
+        let arm = cloth.topology.rest[p] - Vec3::Y * 0.5;
+        cloth.particles.position.set(p, Quat::from_rotation_x(5_f32.to_radians()) * arm + Vec3::Y * 0.5);
+    }
+    let energy = |cloth: &cloth_solver::Cloth| {
+        measure::kinetic_energy(&cloth.particles)
+            + measure::gravitational_energy(&cloth.particles, GRAVITY)
+            + measure::elastic_energy(&cloth.topology, &cloth.particles, &UNDAMPED)
+    };
+    let hung = 0.15 * 9.81 * 5e-5;
+    let start = energy(&cloth);
+    run(&mut cloth, 5.0);
+    let left = (energy(&cloth) + hung) / (start + hung);
+    assert!((0.94..=1.0).contains(&left), "{left} of its energy");
+}
+
+#[test]
+fn internal_friction_stills_a_flapping_cloth_and_not_a_falling_one() {
+    let flap = |damping| {
+        let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping, ..Fabric::COTTON_POPLIN });
+        for p in 0..cloth.topology.slots() {
+            let r = cloth.topology.rest[p];
+            cloth.particles.velocity.set(p, Vec3::new(0.0, 0.0, 3.0 * r.x * r.x));
+        }
+        run(&mut cloth, 1.0);
+        let drift = measure::linear_momentum(&cloth.particles).as_vec3() / 0.15;
+        let flapping = cloth.topology.particles().map(|p| cloth.particles.velocity.get(p as usize).distance(drift));
+        (drift, flapping.sum::<f32>())
+    };
+    let ((free_drift, free), (damped_drift, damped)) = (flap(0.0), flap(5.0));
+    assert!(damped < 0.2 * free, "{damped} against {free}");
+    assert!((damped_drift - free_drift).length() < 0.01 * free_drift.length());
+}
+
+#[test]
+fn internal_friction_leaves_a_spinning_cloth_its_spin() {
+    let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    let spin = Vec3::new(0.4, 1.0, 2.0);
+    for p in 0..cloth.topology.slots() {
+        cloth.particles.velocity.set(p, spin.cross(cloth.topology.rest[p]));
+    }
+    let start = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    for _ in 0..60 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let left = measure::angular_momentum(&cloth.particles, DVec3::ZERO);
+    assert!((left - start).length() < 1e-4 * start.length(), "{left} of {start}");
+}
+
+#[test]
+fn internal_friction_leaves_pieces_that_fly_apart_their_motion() {
+    let mut cloth = rectangle(1.0, 1.0, 10, 10, &Fabric { damping: 5.0, ..Fabric::COTTON_POPLIN });
+    cloth.cut(&blade([0.03, 1.0], [0.03, -1.0])).expect("a cut through the middle");
+    let pieces = cloth.topology.pieces();
+    assert_eq!(pieces.triangles.len(), 2);
+    for slot in cloth.topology.particles().map(|slot| slot as usize) {
+        cloth.particles.velocity.set(slot, if pieces.of_slot[slot] == 0 { Vec3::Z } else { Vec3::NEG_Z });
+    }
+    for _ in 0..60 {
+        cloth.step(TICK, Vec3::ZERO);
+    }
+    let speed = |slot: u32| cloth.particles.velocity.get(slot as usize).z.abs();
+    let slowest = cloth.topology.particles().map(speed).fold(f32::INFINITY, f32::min);
+    assert!(slowest > 0.999, "{slowest} m/s of 1");
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let run_once = || {
+        let mut cloth = rectangle(1.0, 1.0, 30, 30, &Fabric::COTTON_POPLIN);
+        place(&mut cloth, Quat::from_rotation_x(-1.2), Vec3::Y);
+        pin_top(&mut cloth, [0, 30]);
+        run(&mut cloth, 2.0);
+        positions(&cloth)
+    };
+    assert_eq!(run_once(), run_once());
+}
+
+/// Hangs a sheet by its top row and moves the pins in a single tick, within the plane of the sheet.
+fn jolted(cells: u32, way: Vec3) -> cloth_solver::Cloth {
+    // Damped, or it would swing for long.
+    let mut cloth = rectangle(1.0, 1.0, cells, cells, &Fabric { damping: 2.0, ..Fabric::COTTON_POPLIN });
+    pin_top(&mut cloth, 0..=cells);
+    let there = cloth_solver::Pose::new(way, Quat::IDENTITY);
+    cloth.constraints.pin_frames_mut()[0].to = there;
+    cloth.step(TICK, GRAVITY);
+    cloth.constraints.pin_frames_mut()[0].from = there;
+    cloth
+}
+
+/// Root mean square over all edges of the velocity of one end relative to the other, m/s.
+fn rms_jitter(cloth: &cloth_solver::Cloth) -> f32 {
+    let v = |p: u32| cloth.particles.velocity.get(p as usize);
+    let edges = &cloth.topology.edges;
+    (edges.iter().map(|[a, b]| v(*a).distance_squared(v(*b))).sum::<f32>() / edges.len() as f32).sqrt()
+}
+
+#[test]
+fn cloth_crushed_within_its_own_plane_buckles_out_of_it_and_comes_to_rest() {
+    let mut cloth = jolted(31, Vec3::NEG_Y * 0.5);
+    run(&mut cloth, 1.0);
+    let stored = measure::elastic_energy(&cloth.topology, &cloth.particles, &Fabric::COTTON_POPLIN);
+    assert!(stored < 1.0, "{stored} J jammed in it");
+    run(&mut cloth, 7.0);
+    // It swings on its pins, as a whole: that is no motion within the fabric.
+    let jitter = rms_jitter(&cloth);
+    assert!(jitter < 0.02, "neighbours part at {jitter} m/s eight seconds after");
+}
+
+#[test]
+fn cloth_pulled_along_within_its_own_plane_stays_in_it() {
+    let mut cloth = jolted(10, Vec3::X * 0.02);
+    run(&mut cloth, 2.0);
+    assert!(positions(&cloth).iter().all(|x| x.z == 0.0));
+}

@@ -29,6 +29,18 @@ pub struct ColliderRejected {
     pub error: ClothError,
 }
 
+/// A mesh could not be bound to a cloth: it is drawn as it is until it changes. Told, and logged, once for each change.
+///
+/// An event at the entity and a message.
+#[cfg(feature = "render")]
+#[derive(EntityEvent, Message, Clone, Debug, PartialEq)]
+pub struct BoundRejected {
+    /// The entity with [`BoundTo`](crate::BoundTo).
+    pub entity: Entity,
+    /// What is wrong with its mesh, and what is allowed.
+    pub error: ClothError,
+}
+
 /// Authored data of a [`Fan`](crate::Fan) or a [`WindZone`](crate::WindZone) was refused. If a value is out of range it
 /// does not blow until that changes to something allowed; if its transform is not finite it blows from where it was last.
 /// Told, and logged, once for each change.

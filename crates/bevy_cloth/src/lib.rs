@@ -6,6 +6,7 @@
 //! - [Skinned meshes](#skinned-meshes): [`Freedom`], [`BoneColliders`]
 //! - [Settings](#settings): [`Gravity`], [`Substeps`], [`Method`], [`Teleport`], [`ClothSleep`], [`Shared`]
 //! - [Motion and jumps](#motion-and-jumps): [`Teleport`], [`TeleportPolicy`]
+//! - [Far and unseen](#far-and-unseen): [`ClothDetail`], [`ClothViewer`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
 //! - [Contact](#contact): [`ContactEvents`], [`ClothForce`], [`ContactView`]
 //! - [Self-contact](#self-contact): [`SelfContact`], [`ClothTangled`], [`ClothUntangled`]
@@ -15,7 +16,7 @@
 //! - [What happens in a tick](#what-happens-in-a-tick): [`ClothSystems`], [`ClothSchedule`]
 //! - [What is told](#what-is-told): [`ClothRejected`], [`ClothRecovered`], [`ClothStats`], [`ClothDiagnosticsPlugin`]
 //! - [Saving and rollback](#saving-and-rollback): [`SavedCloths`], [`RestoreError`]
-//! - [Drawing](#drawing): `ClothLook`, `ClothSubdivision`, `ClothColoring`, `ClothFlames`
+//! - [Drawing](#drawing): `ClothLook`, `ClothSubdivision`, `BoundTo`, `ClothColoring`, `ClothFlames`
 //! - [Picking](#picking): `ClothPicking`, [`Grabs`]
 //! - [Features](#features)
 //!
@@ -60,6 +61,10 @@
 //! schedules before each tick is never late. What goes too far for one tick (a blink, a respawn) is no motion but a jump:
 //! [`Teleport`] says from where on, and whether the cloth goes along in one piece, goes to rest, or is dragged there. A
 //! collider that jumps sweeps nothing along.
+//!
+//! # Far and unseen
+//! A cloth with [`ClothDetail`] takes fewer substeps far from the camera, or from a [`ClothViewer`], and is frozen farther off, or while
+//! nobody sees it.
 //!
 //! # Sleep
 //! A cloth that has come to rest falls asleep: it stands still and is not advanced until something could move it. [`ClothSleep`]
@@ -118,7 +123,7 @@
 //! its wearer. [`ShownShape`] tells where each particle is drawn. Other attributes of its own mesh stay as they are. Without a
 //! material the cloth gets an off-white one.
 //! `ClothLook` draws it as a fabric instead: weave, colours and pattern, folds that darken, frayed tears, burnt rims, wet cloth.
-//! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles.
+//! `ClothSubdivision` draws coarse cloth smoothly, with 4 or 16 times the triangles. `BoundTo` draws a fine mesh of your own on it.
 //! Cloth that burns shows flames and the light they throw, unless `ClothFlames` says otherwise.
 //!
 //! # Picking
@@ -141,6 +146,7 @@ pub mod collider;
 pub mod contact;
 pub mod contact_view;
 pub mod damage;
+pub mod detail;
 pub mod diagnostics;
 pub mod events;
 pub mod freedom;
@@ -184,7 +190,10 @@ pub use damage::{
     ATTRIBUTE_STRENGTH, ClothFire, ClothPiece, ClothPieces, Contagion, CutCloth, Flammability, Flammable, IgniteCloth,
     TearCloth, Tearable, WetCloth,
 };
+pub use detail::{ClothDetail, ClothViewer};
 pub use diagnostics::ClothDiagnosticsPlugin;
+#[cfg(feature = "render")]
+pub use events::BoundRejected;
 pub use events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,
@@ -196,7 +205,7 @@ pub use particle_pins::{ParticlePin, ParticlePins, PinParticle, UnpinParticle};
 pub use picking::{ClothHit, ClothPicking, ClothTool};
 pub use pins::{PinGroup, PinSelect, PinTarget, Pins};
 #[cfg(feature = "render")]
-pub use render::{ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
+pub use render::{BoundMeshes, BoundTo, ClothColoring, ClothFlames, ClothLook, ClothSubdivision, Pattern, Weave};
 pub use save::{RestoreError, SavedCloths};
 pub use schedule::{ClothPlugin, ClothSchedule, ClothSubstepSchedule, ClothSystems};
 pub use settings::{Grab, Grabs, Gravity, Shared, Substeps};

@@ -26,6 +26,13 @@ impl Report for ColliderRejected {
     }
 }
 
+#[cfg(feature = "render")]
+impl Report for crate::events::BoundRejected {
+    fn log(&self, name: &str) {
+        warn!("mesh {name} was not bound to its cloth: {}", self.error);
+    }
+}
+
 impl Report for WindRejected {
     fn log(&self, name: &str) {
         warn!("fan or wind zone {name} was refused: {}", self.error);

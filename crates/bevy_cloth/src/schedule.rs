@@ -9,6 +9,7 @@ use crate::bones::BoneColliders;
 use crate::clock::{self, RunsInFixedLoop};
 use crate::cloth::Cloth;
 use crate::collider::{ClothCollider, ColliderFriction};
+use crate::detail::{ClothDetail, ClothViewer};
 use crate::events::{
     ClothRecovered, ClothRejected, ClothReset, ClothTangled, ClothUntangled, ColliderRejected, WindRejected,
 };
@@ -197,6 +198,8 @@ fn register_types(app: &mut App) {
         .register_type_data::<Gusts, ReflectComponent>()
         .register_type::<Shared<Gusts>>()
         .register_type::<Teleport>()
+        .register_type::<ClothDetail>()
+        .register_type::<ClothViewer>()
         .register_type::<Shared<Teleport>>()
         .register_type::<Fan>()
         .register_type_data::<Fan, ReflectComponent>()

@@ -51,6 +51,13 @@ pub struct Substeps {
 }
 
 impl Substeps {
+    /// The fewer of both.
+    pub(crate) fn least(self, other: &Self) -> Self {
+        let Self { count, max, iterations } = *other;
+        let (count, iterations) = (self.count.min(count), self.iterations.min(iterations));
+        Self { count, max: self.max.min(max).max(count), iterations }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), ClothError> {
         ClothError::check("Substeps::count", self.count as f32, 1.0..=200.0, "1..=200")?;
         ClothError::check("Substeps::max", self.max as f32, 1.0..=200.0, "1..=200")?;

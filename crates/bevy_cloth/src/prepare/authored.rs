@@ -16,6 +16,7 @@ use super::shared::{SharedChanges, SharedSettings};
 use crate::air::Wind;
 use crate::cloth::{Cloth, ClothRejection, ClothSource};
 use crate::damage::{Flammable, Tearable};
+use crate::detail::ClothDetail;
 use crate::freedom::Freedom;
 use crate::particle_pins::ParticlePins;
 use crate::pins::Pins;
@@ -49,6 +50,7 @@ pub(crate) struct Authored {
     wind: Option<Wind>,
     gusts: Option<Gusts>,
     teleport: Option<Teleport>,
+    detail: Option<ClothDetail>,
     method: Option<Method>,
     sleep: Option<ClothSleep>,
     self_contact: Option<SelfContact>,
@@ -144,6 +146,7 @@ pub(crate) struct Wanted {
     wind: Option<Ref<'static, Wind>>,
     gusts: Option<Ref<'static, Gusts>>,
     teleport: Option<Ref<'static, Teleport>>,
+    detail: Option<Ref<'static, ClothDetail>>,
     method: Option<Ref<'static, Method>>,
     sleep: Option<Ref<'static, ClothSleep>>,
     self_contact: Option<Ref<'static, SelfContact>>,
@@ -288,6 +291,7 @@ impl WantedItem<'_, '_> {
                 || differs(&self.wind, &seen.wind)
                 || differs(&self.gusts, &seen.gusts)
                 || differs(&self.teleport, &seen.teleport)
+                || differs(&self.detail, &seen.detail)
                 || differs(&self.method, &seen.method)
                 || differs(&self.sleep, &seen.sleep),
             self_contact: differs(&self.self_contact, &seen.self_contact),
@@ -333,6 +337,7 @@ impl WantedItem<'_, '_> {
         seen.wind = self.wind.as_deref().copied();
         seen.gusts = self.gusts.as_deref().copied();
         seen.teleport = self.teleport.as_deref().copied();
+        seen.detail = self.detail.as_deref().copied();
         seen.method = self.method.as_deref().copied();
         seen.sleep = self.sleep.as_deref().copied();
         seen.self_contact = self.self_contact.as_deref().copied();
@@ -351,7 +356,8 @@ impl WantedItem<'_, '_> {
         let teleport = self.teleport.as_deref().unwrap_or(&shared.teleport).validate();
         let sleep = self.sleep.as_deref().unwrap_or(&shared.sleep).validate();
         let self_contact = self.self_contact.as_deref().map_or(Ok(()), SelfContact::validate);
-        let own = tearable.and(flammable).and(air).and(self_contact);
+        let detail = self.detail.as_deref().map_or(Ok(()), ClothDetail::validate);
+        let own = tearable.and(flammable).and(air).and(self_contact).and(detail);
         self.authored.faults.settings =
             gravity.and(substeps).and(own).and(wind).and(gusts).and(teleport).and(sleep).err();
     }

@@ -13,6 +13,7 @@ use super::{Anchors, Armature, Authored, Follow};
 use crate::clock::ClothClock;
 use crate::cloth::{ClothFrame, ClothHistory, ClothRejection, ClothTopology};
 use crate::damage::{ClothFire, ClothPieces};
+use crate::detail::{Level, Viewers};
 use crate::events::{ClothRecovered, ClothReset, ResetCloth};
 use crate::fault;
 use crate::particle_pins::ParticlePins;
@@ -48,6 +49,8 @@ pub(crate) struct StepPlan {
     refused: bool,
     #[cfg_attr(feature = "serialize", serde(skip))]
     budget: Substeps,
+    /// How much of it is computed.
+    level: Level,
     /// Where each hand pulled to at the end of the last tick, in the world, and where it is on its way to.
     hands: Vec<(u32, Follow)>,
 }
@@ -136,6 +139,9 @@ impl StepPlan {
     }
 }
 
+/// Whatever moves takes what is frozen along.
+const FROZEN: Teleport = Teleport { distance: 0.0, angle: 0.0, policy: TeleportPolicy::CarryAlong };
+
 /// Whether something was moved that a cloth hangs on. In a pause it is carried along as by a hand.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct MovedInPause(pub bool);
@@ -185,16 +191,24 @@ pub(crate) fn advance(
     placements: Placements,
     (substeps, method): (Res<Shared<Substeps>>, Res<Shared<Method>>),
     teleport: Res<Shared<Teleport>>,
+    viewers: Viewers,
     tick: Res<ClothTick>,
     mut commands: Commands,
 ) {
     for mut plan in &mut rejected {
         plan.substeps = 0;
     }
+    let seen_from = viewers.places(&placements);
     for mut cloth in &mut cloths {
         let held = cloth.grabs.is_some_and(|grabs| !grabs.0.is_empty());
         if tick.still && !held && !has_moved(cloth.entity, &cloth.frame, &cloth.anchors, &placements) {
             cloth.plan.substeps = 0;
+            continue;
+        }
+        let (level, fewer) = viewers.level(cloth.entity, cloth.frame.pose.position, &seen_from, cloth.plan.level);
+        let frozen_before = std::mem::replace(&mut cloth.plan.level, level) == Level::Frozen;
+        if level == Level::Frozen && !tick.still {
+            cloth.freeze(&placements, &tick, frozen_before);
             continue;
         }
         let lost = cloth.frame.lost;
@@ -214,7 +228,8 @@ pub(crate) fn advance(
         }
         cloth.move_hands(&frame, &tick);
         cloth.set_method(cloth.method.copied().unwrap_or(method.0));
-        cloth.plan.plan_substeps(cloth.substeps.unwrap_or(&substeps));
+        let budget = *cloth.substeps.unwrap_or(&substeps);
+        cloth.plan.plan_substeps(&fewer.map_or(budget, |fewer| budget.least(fewer)));
     }
 }
 
@@ -248,6 +263,20 @@ impl TickingItem<'_, '_> {
             express(&mut particles.previous, &step);
             express(&mut self.history.position, &step);
             express(&mut particles.velocity, &Pose::new(Vec3::ZERO, step.rotation));
+        }
+    }
+
+    /// Lets it go along with what it hangs on, as it is.
+    fn freeze(&mut self, placements: &Placements, tick: &ClothTick, was_frozen: bool) {
+        self.plan.substeps = 0;
+        self.move_frame(placements, tick, &FROZEN);
+        let frame = *self.frame;
+        self.anchors.advance(&frame, self.constraints.pin_frames_mut());
+        if !was_frozen || frame.pose != frame.before {
+            self.history.position.copy_from(&self.particles.position);
+        }
+        if !was_frozen {
+            self.particles.velocity.fill(Vec3::ZERO);
         }
     }
 

@@ -40,6 +40,8 @@ pub(crate) use frame::{MovedInPause, StepPlan};
 pub(crate) use placement::{Placement, Placements};
 pub(crate) use select::select;
 pub(crate) use source::Skin;
+#[cfg(feature = "render")]
+pub(crate) use source::positions_and_indices;
 pub(crate) use wind_source::WindSources;
 
 /// `frame⁻¹ ∘ other`, exactly the identity if both are the same: what did not move must not move by a rounding.

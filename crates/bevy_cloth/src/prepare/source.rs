@@ -96,7 +96,7 @@ pub(crate) fn bounds(topology: &Topology) -> (Vec3, Vec3) {
 }
 
 /// Vertices under `scale` and corners of the triangles of a mesh.
-pub(super) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec3>, Vec<u32>), ClothError> {
+pub(crate) fn positions_and_indices(mesh: &Mesh, scale: Vec3) -> Result<(Vec<Vec3>, Vec<u32>), ClothError> {
     let not_a_list = |reason: String| ClothError::NotTriangleList { reason };
     let is_strip = match mesh.primitive_topology() {
         PrimitiveTopology::TriangleList => false,

@@ -7,6 +7,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use cloth_solver::Topology;
 
+use super::bound::BoundMeshes;
 use super::subdivide::{ClothSubdivision, Subdivision};
 use super::write::Drawing;
 use super::{flames, look_material, material, wear};
@@ -17,7 +18,13 @@ use crate::settings::Shared;
 
 /// Makes the mesh of every cloth that has none or was built anew, and puts it on the entity.
 pub(crate) fn attach(
-    cloths: Query<(Entity, Ref<ClothTopology>, &ClothSkin, Has<ClothPieces>, Option<&ClothSubdivision>)>,
+    cloths: Query<(
+        Entity,
+        Ref<ClothTopology>,
+        &ClothSkin,
+        (Has<ClothPieces>, Has<BoundMeshes>),
+        Option<&ClothSubdivision>,
+    )>,
     shared: Res<Shared<ClothSubdivision>>,
     mut drawn: Query<(&mut DrawnMesh, &mut Drawing)>,
     on_entity: Query<&Mesh3d>,
@@ -25,7 +32,7 @@ pub(crate) fn attach(
     mut meshes: ResMut<Assets<Mesh>>,
     mut commands: Commands,
 ) {
-    for (entity, topology, skin, in_pieces, subdivision) in &cloths {
+    for (entity, topology, skin, (in_pieces, is_hidden), subdivision) in &cloths {
         let shown = on_entity.get(entity).ok();
         let parts = subdivision.unwrap_or(&shared).parts();
         let Ok((mut mesh, mut drawing)) = drawn.get_mut(entity) else {
@@ -59,7 +66,12 @@ pub(crate) fn attach(
             if let Some(shown) = shown {
                 mesh.source = Some(shown.0.clone());
             }
-            commands.entity(entity).try_insert(Mesh3d(mesh.drawn.clone()));
+            if !is_hidden {
+                drawing.write_again();
+                commands.entity(entity).try_insert(Mesh3d(mesh.drawn.clone()));
+            }
+        } else if is_hidden {
+            commands.entity(entity).try_remove::<Mesh3d>();
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What is drawn: a mesh for each cloth, its bounds and its colours, and flames where it burns.
 
 mod attach;
+mod bound;
 mod color;
 mod flames;
 mod look;
@@ -19,11 +20,13 @@ use bevy::pbr::{MaterialPlugin, PbrPlugin, StandardMaterial};
 use bevy::prelude::*;
 use bevy::shader::load_shader_library;
 
+use crate::events::BoundRejected;
 use crate::schedule::ClothSystems;
 use crate::settings::Shared;
 use crate::shown;
 
 pub(crate) use attach::undraw;
+pub use bound::{BoundMeshes, BoundTo};
 pub use flames::ClothFlames;
 pub use look::{ClothLook, Pattern, Weave};
 pub use look_material::{ClothMaterial, FabricExtension};
@@ -76,6 +79,10 @@ pub(crate) fn plugin(app: &mut App) {
         .register_type::<ClothSubdivision>()
         .register_type::<Shared<ClothSubdivision>>()
         .register_type::<ClothLook>()
+        .register_type::<BoundTo>()
+        .register_type::<BoundMeshes>()
+        .add_message::<BoundRejected>()
+        .add_observer(bound::on_unbound)
         .configure_sets(
             PostUpdate,
             ClothSystems::Draw
@@ -91,7 +98,7 @@ pub(crate) fn plugin(app: &mut App) {
                     .chain()
                     .run_if(resource_exists::<Assets<ClothMaterial>>.and_then(resource_exists::<Assets<Image>>)),
                 material::color.run_if(resource_exists::<Assets<StandardMaterial>>),
-                write::write.run_if(resource_exists::<Assets<Mesh>>),
+                (write::write, bound::bind, bound::write).chain().run_if(resource_exists::<Assets<Mesh>>),
                 (flames::quench, flames::draw).chain().run_if(
                     resource_exists::<Assets<Mesh>>
                         .and_then(resource_exists::<Assets<StandardMaterial>>)

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use cloth_solver::{Fabric, Particles, Pose, Topology};
 
 use super::ClothColoring;
+use super::bound::BoundMeshes;
 use super::color::{Told, ToldItem};
 use super::look_material::LookMaterial;
 use super::material::StressColors;
@@ -95,6 +96,11 @@ impl Drawing {
         self.subdivision().map_or(1, Subdivision::parts)
     }
 
+    /// Has it written anew, even if nothing moves.
+    pub fn write_again(&mut self) {
+        self.written = false;
+    }
+
     /// From the cloth's frame to that of the entity as drawn, scale included.
     pub fn relation(&self) -> &Affine3A {
         &self.relation
@@ -103,16 +109,19 @@ impl Drawing {
 
 /// Writes positions, normals, tangents and bounds of what moved.
 pub(crate) fn write(
-    mut cloths: Query<(
-        Entity,
-        (&ClothTopology, &ClothSkin, &ClothFrame, Ref<ShownShape>),
-        Ref<Particles>,
-        Option<&Fabric>,
-        Option<&ClothColoring>,
-        (&DrawnMesh, Told, Has<LookMaterial>),
-        &mut Drawing,
-        Option<&mut Aabb>,
-    )>,
+    mut cloths: Query<
+        (
+            Entity,
+            (&ClothTopology, &ClothSkin, &ClothFrame, Ref<ShownShape>),
+            Ref<Particles>,
+            Option<&Fabric>,
+            Option<&ClothColoring>,
+            (&DrawnMesh, Told, Has<LookMaterial>),
+            &mut Drawing,
+            Option<&mut Aabb>,
+        ),
+        Without<BoundMeshes>,
+    >,
     shared: Res<Shared<ClothColoring>>,
     placements: Placements,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -156,7 +165,7 @@ pub(crate) fn write(
 
 /// From the frame of the simulation to that of the entity as it is drawn. They differ by the scale, and by what the
 /// entity moved since the last tick. Differences first, so that far from the origin nothing is lost.
-fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
+pub(super) fn relation(pose: &Pose, entity: Option<GlobalTransform>) -> Option<Affine3A> {
     let affine = entity?.affine();
     let to_entity = affine.matrix3.inverse();
     let rotation = bevy::math::Mat3A::from_quat(pose.rotation);
@@ -301,6 +310,9 @@ impl Drawing {
     }
 }
 
-fn values(mesh: &mut Mesh, attribute: bevy::mesh::MeshVertexAttribute) -> Option<&mut VertexAttributeValues> {
+pub(super) fn values(
+    mesh: &mut Mesh,
+    attribute: bevy::mesh::MeshVertexAttribute,
+) -> Option<&mut VertexAttributeValues> {
     mesh.try_attribute_mut_option(attribute).ok().flatten()
 }

@@ -5,6 +5,7 @@
 
 mod air;
 mod error;
+mod figure;
 mod fire;
 mod look;
 mod motion;
@@ -13,10 +14,12 @@ mod scene;
 mod shape;
 mod view;
 mod world;
+mod wrap;
 mod write;
 
 pub use air::{SceneFan, SceneZone};
 pub use error::SceneError;
+pub use figure::{Body, FigurePart, Gait, SceneFigure, SceneWorn, Walk};
 pub use fire::SceneFire;
 pub use look::{SceneLook, ScenePattern, SceneWeave};
 pub use motion::SceneMotion;
@@ -27,3 +30,4 @@ pub use scene::{
 pub use shape::SceneShape;
 pub use view::{Finish, Readout, SceneCamera, SceneProp, SceneView, Setting};
 pub use world::World;
+pub use wrap::{SceneRing, SceneWrap};

@@ -36,7 +36,7 @@ pub const MENU: [Entry; 10] = [
     entry!("trampoline", picture),
     entry!("tearing", picture),
     entry!("side_by_side", picture),
-    entry!("mannequin"),
+    entry!("mannequin", picture),
 ];
 
 /// Plain scenes, most of them the lab's.

@@ -222,7 +222,9 @@ mod tests {
 
     #[test]
     fn a_scene_that_nobody_touched_is_saved_as_its_file_says() {
-        for name in ["sandbox", "flag", "laundry", "tablecloth", "curtains", "fire_test", "trampoline", "tearing"] {
+        for name in
+            ["sandbox", "flag", "laundry", "tablecloth", "curtains", "fire_test", "trampoline", "tearing", "mannequin"]
+        {
             let mut game = opened(name);
             assert_eq!(now(&mut game), *open(name).expect("there"), "{name}");
         }

@@ -9,6 +9,7 @@ mod figure;
 mod fire;
 mod look;
 mod motion;
+mod piece;
 mod pins;
 mod scene;
 mod shape;
@@ -23,10 +24,9 @@ pub use figure::{Body, FigurePart, Gait, SceneFigure, SceneWorn, Walk};
 pub use fire::SceneFire;
 pub use look::{SceneLook, ScenePattern, SceneWeave};
 pub use motion::SceneMotion;
+pub use piece::ScenePiece;
 pub use pins::ScenePins;
-pub use scene::{
-    Hardware, Scene, SceneCloth, SceneCollider, SceneFabric, ScenePiece, ScenePlace, SceneTearing, SceneWeight,
-};
+pub use scene::{Hardware, Scene, SceneCloth, SceneCollider, SceneFabric, ScenePlace, SceneTearing, SceneWeight};
 pub use shape::SceneShape;
 pub use view::{Finish, Readout, SceneCamera, SceneProp, SceneView, Setting};
 pub use world::World;

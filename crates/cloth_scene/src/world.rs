@@ -12,8 +12,8 @@ use glam::{Vec2, Vec3};
 
 use crate::figure::Body;
 use crate::fire::SceneFire;
-use crate::scene::{SceneCloth, SceneCollider, ScenePiece, ScenePlace, SceneWeight};
-use crate::{Scene, SceneError, SceneShape};
+use crate::scene::{SceneCloth, SceneCollider, ScenePlace, SceneWeight};
+use crate::{Scene, SceneError, ScenePiece, SceneShape};
 
 /// The cloths of a scene, each in its own frame ([`Scene::frame`]). Mannequins stand as they do at first, and so does what they wear.
 #[derive(Clone, Debug)]

@@ -2,18 +2,19 @@
 
 use std::time::Duration;
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_cloth::cloth_solver::cloth::Constraints;
 use bevy_cloth::cloth_solver::measure;
 use bevy_cloth::{Cloth, ClothClock, ClothCollider, ClothFrame, ClothTime, ClothTopology, Particles, ShownShape};
-use cloth_scene::{FigurePart, Walk};
+use cloth_scene::{FigurePart, Scene, Walk};
 
 use super::{Mannequin, MannequinPlugin, Part};
 use crate::camera::Viewpoint;
 use crate::look::View;
 use crate::scenes::finish::Grains;
-use crate::scenes::{OpenScene, Opened, open, open_scene, reopen};
+use crate::scenes::{OpenScene, Opened, Present, open, open_scene, reopen};
 use crate::test_game::Game;
 use crate::tools::{ReopenScene, ResetScene};
 
@@ -199,4 +200,25 @@ fn a_mannequin_stands_while_the_clock_is_paused_and_goes_on_by_single_steps() {
         holds(play(&mut game, 2), "a step");
     }
     assert_ne!(walk(&mut game).way, before.way);
+}
+
+#[test]
+fn a_mannequin_that_was_moved_and_set_to_run_is_saved_so_with_what_it_wears() {
+    let mut game = opened();
+    walk_at(&mut game, 3.0);
+    let world = game.app.world_mut();
+    let mut roots = world.query_filtered::<&mut Transform, With<Mannequin>>();
+    roots.single_mut(world).expect("one").translation = Vec3::new(4.0, 0.0, 1.0);
+    game.run(0.5);
+    let saved = game.app.world_mut().run_system_once(|present: Present| present.scene()).expect("it runs");
+    let file = open("mannequin").expect("there");
+    assert_eq!(saved.figures.len(), 1);
+    assert_eq!((saved.figures[0].speed, saved.figures[0].place.at), (3.0, Vec3::new(4.0, 0.0, 1.0)));
+    for (saved, said) in saved.cloths.iter().zip(&file.cloths) {
+        assert_eq!(
+            (saved.place, saved.worn, &saved.wrap, &saved.pins),
+            (said.place, said.worn, &said.wrap, &said.pins)
+        );
+    }
+    assert_eq!(Scene::from_ron(&saved.to_ron()).expect("it opens"), saved);
 }

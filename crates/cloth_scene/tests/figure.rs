@@ -41,7 +41,7 @@ fn what_of_a_foot_is_on_the_ground_does_not_slide() {
             }
         }
         println!("{speed} m/s: {stands} ticks, at most {most} m/s");
-        assert!(stands > 100 && most < 0.15, "{speed} m/s: {stands} ticks, {most} m/s");
+        assert!(stands > 100 && most < 0.06, "{speed} m/s: {stands} ticks, {most} m/s");
     }
 }
 

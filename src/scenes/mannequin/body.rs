@@ -97,7 +97,7 @@ pub fn pieces(body: &Body) -> Vec<Piece> {
     let mut all = vec![
         (Pelvis, turned((0.078, -0.10), [0.110, 0.147, 0.10], 0.72, 3.0), still, false),
         (Chest, Turned { depth: 0.9, ..Turned::ball(0.088) }, still, true),
-        (Chest, turned((0.41, 0.05), [0.118, 0.150, 0.106], 0.64, 3.0), still, false),
+        (Chest, turned((0.41, 0.05), [0.116, 0.150, 0.106], 0.62, 3.0), still, false),
         (Head, Turned::ball(0.042), at(0.0, 0.005, 0.0), true),
         (Head, Turned::limb((0.09, 0.0), [0.036, 0.033, 0.036]), still, false),
         (Head, turned((0.295, 0.055), [0.070, 0.076, 0.052], 1.09, 2.0), at(0.0, 0.0, -0.006), false),
@@ -116,9 +116,9 @@ pub fn pieces(body: &Body) -> Vec<Piece> {
             (hand, Turned::ball(0.025), still, true),
             (hand, turned((-0.016, -0.160), [0.013, 0.018, 0.010], 1.8, 3.0), still, false),
             (Pelvis, Turned::ball(0.066), at(side * 0.088, 0.0, 0.0), true),
-            (thigh, Turned::limb((-0.040, -0.402), [0.074, 0.068, 0.050]), still, false),
-            (shank, Turned::ball(0.050), still, true),
-            (shank, Turned::limb((-0.032, -0.396), [0.051, 0.050, 0.033]), still, false),
+            (thigh, Turned::limb((-0.040, -0.402), [0.068, 0.064, 0.048]), still, false),
+            (shank, Turned::ball(0.048), still, true),
+            (shank, Turned::limb((-0.032, -0.396), [0.047, 0.047, 0.032]), still, false),
             (foot, Turned::ball(0.035), still, true),
             (foot, turned((0.062, -0.185), [0.030, 0.041, 0.034], 0.78, 3.0), lying, false),
         ]);

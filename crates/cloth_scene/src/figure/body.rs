@@ -158,8 +158,8 @@ impl Body {
                 (upper_arm, down(0.046, self.upper_arm)),
                 (forearm, down(0.040, self.forearm)),
                 (hand, down(0.034, 0.11 * k)),
-                (thigh, down(0.080, self.thigh)),
-                (shank, down(0.056, self.shank)),
+                (thigh, down(0.073, self.thigh)),
+                (shank, down(0.051, self.shank)),
             ];
             solids.extend(limbs.map(|(part, (shape, place))| (part, shape, place)));
             let sole = Pose::new(k * Vec3::new(0.0, -0.037, -0.05), Quat::from_rotation_x(FRAC_PI_2));

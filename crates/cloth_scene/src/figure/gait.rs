@@ -241,7 +241,8 @@ impl Gait {
     fn leg(&self, style: &Style, way: f32, side: f32, phase: f32, hip: Vec3) -> [Pose; 3] {
         let body = &self.body;
         let Step { forward, ankle, pitch } = self.step(style, phase);
-        let apart = -side * body.scale * mix(0.088, mix(0.062, 0.035, style.run), style.strength);
+        // Far enough for cloth to hang between the legs as they pass each other.
+        let apart = -side * body.scale * mix(0.088, mix(0.068, 0.062, style.run), style.strength);
         // What is planted stays where it is, and so keeps its own heading.
         let heading = Quat::from_rotation_y((way + forward) / self.radius - side * TOES_OUT);
         let wanted = self.at(way + forward, apart, 0.0) + heading * Vec3::new(0.0, ankle.y, -ankle.x);

@@ -97,7 +97,7 @@ pub fn pieces(body: &Body) -> Vec<Piece> {
     let mut all = vec![
         (Pelvis, turned((0.078, -0.10), [0.110, 0.147, 0.10], 0.72, 3.0), still, false),
         (Chest, Turned { depth: 0.9, ..Turned::ball(0.088) }, still, true),
-        (Chest, turned((0.41, 0.05), [0.116, 0.150, 0.106], 0.62, 3.0), still, false),
+        (Chest, turned((0.41, 0.05), [0.116, 0.145, 0.106], 0.62, 3.0), still, false),
         (Head, Turned::ball(0.042), at(0.0, 0.005, 0.0), true),
         (Head, Turned::limb((0.09, 0.0), [0.036, 0.033, 0.036]), still, false),
         (Head, turned((0.295, 0.055), [0.070, 0.076, 0.052], 1.09, 2.0), at(0.0, 0.0, -0.006), false),

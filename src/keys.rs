@@ -57,7 +57,7 @@ enum With {
 /// Every key: code, what is held down with it, name and meaning. Of those with the same code the first that fits holds.
 const BINDINGS: [(KeyCode, With, &str, &str, Action); 21] = [
     (KeyCode::KeyH, With::Plain, "H", "show or hide this help", Action::Help),
-    (KeyCode::KeyM, With::Plain, "M", "show or hide the scenes; 1 to 9 open one", Action::Menu),
+    (KeyCode::KeyM, With::Plain, "M", "show or hide the scenes; 1 to 9 and 0 open one", Action::Menu),
     (KeyCode::F12, With::Plain, "F12", "take a picture of the window", Action::Picture),
     (KeyCode::F11, With::Plain, "F11", "save the scene as it is now, as a file that `--scene` opens", Action::Save),
     (KeyCode::Space, With::Plain, "Space", "pause or go on", Action::Pause),
@@ -199,8 +199,8 @@ fn take_tool(keys: Res<ButtonInput<KeyCode>>, active: Option<ResMut<ActiveTool>>
     }
 }
 
-/// The keys of the numbers, in order from 1.
-const DIGITS: [KeyCode; 9] = [
+/// The keys of the numbers, in order from 1; 0 is the tenth.
+const DIGITS: [KeyCode; 10] = [
     KeyCode::Digit1,
     KeyCode::Digit2,
     KeyCode::Digit3,
@@ -210,6 +210,7 @@ const DIGITS: [KeyCode; 9] = [
     KeyCode::Digit7,
     KeyCode::Digit8,
     KeyCode::Digit9,
+    KeyCode::Digit0,
 ];
 
 fn open_by_number(keys: Res<ButtonInput<KeyCode>>, mut commands: Commands) {

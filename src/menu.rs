@@ -8,9 +8,9 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use crate::scenes::{Entry, MENU, MORE, OpenScene, Opened};
 
 /// Width and height of a picture in the menu, logical pixels.
-const PICTURE: egui::Vec2 = egui::vec2(168.0, 94.5);
+const PICTURE: egui::Vec2 = egui::vec2(144.0, 81.0);
 /// Scenes in a row.
-const ROW: usize = 3;
+const ROW: usize = 4;
 
 /// Whether the menu is open.
 #[derive(Resource, Default)]
@@ -114,7 +114,8 @@ fn show_menu(
 
 /// A picture with title and key; whether it was clicked.
 fn show_card(ui: &mut egui::Ui, card: &Card, key: usize) -> bool {
-    let label = egui::RichText::new(format!("{key}  {}", card.title));
+    // The tenth is on the key 0.
+    let label = egui::RichText::new(format!("{}  {}", key % 10, card.title));
     let response = ui.vertical(|ui| {
         ui.set_width(PICTURE.x);
         let picture = match &card.picture {

@@ -2,12 +2,13 @@
 
 mod compare;
 mod fire;
+mod walk;
 
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 use cloth_scene::Readout;
 
-use crate::scenes::Opened;
+use crate::scenes::{Mannequin, Opened};
 
 /// Shows what the scene that is open wants to be told.
 pub struct ReadoutPlugin;
@@ -16,7 +17,11 @@ impl Plugin for ReadoutPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<compare::Compared>().init_resource::<fire::Burnt>().add_systems(
             EguiPrimaryContextPass,
-            (compare::show.run_if(is(Readout::Compare)), fire::show.run_if(is(Readout::Fire))),
+            (
+                compare::show.run_if(is(Readout::Compare)),
+                fire::show.run_if(is(Readout::Fire)),
+                walk::show.run_if(any_with_component::<Mannequin>),
+            ),
         );
         app.add_systems(Update, (compare::note.run_if(is(Readout::Compare)), fire::note.run_if(is(Readout::Fire))));
     }

@@ -25,8 +25,8 @@ macro_rules! entry {
 /// The name of the scene that opens without `--scene`.
 pub const SANDBOX: &str = "sandbox";
 
-/// The scenes of the menu, inside the program: it runs wherever it is started from. The first nine are on the number keys.
-pub const MENU: [Entry; 9] = [
+/// The scenes of the menu, inside the program: it runs wherever it is started from. They are on the number keys, the tenth on 0.
+pub const MENU: [Entry; 10] = [
     entry!("sandbox", picture),
     entry!("flag", picture),
     entry!("laundry", picture),
@@ -36,6 +36,7 @@ pub const MENU: [Entry; 9] = [
     entry!("trampoline", picture),
     entry!("tearing", picture),
     entry!("side_by_side", picture),
+    entry!("mannequin", picture),
 ];
 
 /// Plain scenes, most of them the lab's.

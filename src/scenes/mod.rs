@@ -5,6 +5,7 @@ pub mod curtain_rod;
 mod dress;
 mod finish;
 mod hardware;
+mod mannequin;
 mod moving;
 mod riders;
 mod save;
@@ -26,6 +27,7 @@ use crate::look::View;
 use crate::tools::ReopenScene;
 pub use catalog::{Entry, MENU, MORE, SANDBOX, names, open};
 pub use finish::paint;
+pub use mannequin::Mannequin;
 pub use save::Present;
 
 /// Opens scenes, first of all the one that was asked for.
@@ -70,6 +72,7 @@ impl Plugin for ScenesPlugin {
                 curtain_rod::CurtainRodPlugin,
                 sliding::SlidingPlugin,
                 hardware::HardwarePlugin,
+                mannequin::MannequinPlugin,
                 moving::MovingPlugin,
                 riders::RidersPlugin,
             ))

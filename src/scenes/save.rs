@@ -9,10 +9,12 @@ use bevy_cloth::{
     Resolution, SelfContact, Shared, Substeps, Tearable, Wind, WindZone,
 };
 use cloth_scene::{
-    Scene, SceneCloth, SceneCollider, SceneFabric, SceneFan, SceneFire, ScenePlace, SceneShape, SceneTearing, SceneZone,
+    Scene, SceneCloth, SceneCollider, SceneFabric, SceneFan, SceneFigure, SceneFire, ScenePlace, SceneShape,
+    SceneTearing, SceneWorn, SceneZone,
 };
 
 use super::Opened;
+use super::mannequin::Mannequin;
 use super::moving::Moving;
 use crate::look::View;
 
@@ -39,10 +41,12 @@ pub struct Present<'w, 's> {
     fixed: Res<'w, Time<Fixed>>,
     forces: (Res<'w, Shared<Gravity>>, Res<'w, Shared<Wind>>, Res<'w, Shared<Gusts>>),
     methods: (Res<'w, Shared<Method>>, Res<'w, Shared<Substeps>>),
-    cloths: Query<'w, 's, (&'static Said<SceneCloth>, Placed, OfCloth)>,
+    cloths: Query<'w, 's, (Entity, &'static Said<SceneCloth>, Placed, OfCloth)>,
     colliders: Query<'w, 's, (&'static Said<SceneCollider>, Placed, OfCollider)>,
     fans: Query<'w, 's, (&'static Said<SceneFan>, Placed, &'static Fan)>,
     zones: Query<'w, 's, (&'static Said<SceneZone>, Placed, &'static WindZone)>,
+    figures: Query<'w, 's, (Entity, &'static Said<SceneFigure>, Placed, &'static Mannequin)>,
+    parents: Query<'w, 's, &'static ChildOf>,
 }
 
 impl Present<'_, '_> {
@@ -59,9 +63,24 @@ impl Present<'_, '_> {
         (scene.gravity, scene.wind, scene.gusts) = (self.forces.0.0.0, self.forces.1.0.0, self.forces.2.0);
         let Substeps { count, iterations, .. } = self.methods.1.0;
         (scene.method, scene.substeps, scene.iterations) = (self.methods.0.0, count, iterations);
+        let figures: Vec<_> = self.figures.iter().sort_by_key::<&Said<SceneFigure>, _>(|said| said.1).collect();
+        let figure = |(_, said, placed, now): &(Entity, &Said<SceneFigure>, _, &Mannequin)| SceneFigure {
+            place: place(&said.0.place, *placed),
+            ..now.figure.clone()
+        };
+        scene.figures = figures.iter().map(figure).collect();
+        let worn = |entity: Entity, said: &SceneCloth| {
+            let wearer = self.parents.root_ancestor(entity);
+            let figure = figures.iter().position(|(root, ..)| *root == wearer)?;
+            Some(SceneWorn { figure: figure as u32, ..said.worn? })
+        };
         let cloths = || self.cloths.iter().sort_by_key::<&Said<SceneCloth>, _>(|said| said.1);
-        scene.air = cloths().find_map(|(_, _, (_, (_, _, _, air)))| air.copied());
-        scene.cloths = cloths().map(|(said, placed, now)| cloth(&said.0, placed, now)).collect();
+        scene.air = cloths().find_map(|(.., (_, (_, _, _, air)))| air.copied());
+        let cloth = |(entity, said, placed, now): (_, &Said<SceneCloth>, _, _)| SceneCloth {
+            worn: worn(entity, &said.0),
+            ..cloth(&said.0, placed, now)
+        };
+        scene.cloths = cloths().map(cloth).collect();
         let colliders = self.colliders.iter().sort_by_key::<&Said<SceneCollider>, _>(|said| said.1);
         scene.colliders = colliders.map(|(said, placed, now)| collider(&said.0, placed, now)).collect();
         let fans = self
@@ -101,7 +120,7 @@ fn cloth(
         };
     }
     let scale = placed.0.scale().truncate().abs();
-    if (scale - 1.0).abs().max_element() > 1e-4 {
+    if (scale - 1.0).abs().max_element() > 1e-4 && said.wrap.is_none() {
         cloth.size *= scale;
     }
     let fabric = fabric.copied().unwrap_or_default();
@@ -117,7 +136,10 @@ fn cloth(
     cloth.method = method.copied();
     cloth.substeps = substeps.map(|substeps| substeps.count);
     cloth.motion = said.motion.clone().filter(|_| placed.1.is_some());
-    cloth.place = place(&said.place, placed);
+    // What is worn has its place on its wearer.
+    if said.worn.is_none() {
+        cloth.place = place(&said.place, placed);
+    }
     cloth
 }
 
@@ -200,7 +222,9 @@ mod tests {
 
     #[test]
     fn a_scene_that_nobody_touched_is_saved_as_its_file_says() {
-        for name in ["sandbox", "flag", "laundry", "tablecloth", "curtains", "fire_test", "trampoline", "tearing"] {
+        for name in
+            ["sandbox", "flag", "laundry", "tablecloth", "curtains", "fire_test", "trampoline", "tearing", "mannequin"]
+        {
             let mut game = opened(name);
             assert_eq!(now(&mut game), *open(name).expect("there"), "{name}");
         }

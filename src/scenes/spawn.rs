@@ -15,7 +15,7 @@ use super::hardware::Fitted;
 use super::moving::Moving;
 use super::riders::Rider;
 use super::save::Said;
-use super::{OfScene, curtain_rod, dress, setting};
+use super::{OfScene, curtain_rod, dress, mannequin, setting};
 use crate::select::Selectable;
 use crate::shapes::mesh_of;
 use crate::throw::{Ball, ball};
@@ -35,10 +35,19 @@ pub fn spawn(
         number = number.saturating_add(1);
         Selectable(number)
     };
+    let mut figures = Vec::new();
+    for (index, figure) in scene.figures.iter().enumerate() {
+        let named = (named(&figure.name, "mannequin", index), next());
+        figures.push(mannequin::spawn(&mut commands, &mut meshes, &mut finishes, (figure, index), named));
+    }
     for (index, cloth) in scene.cloths.iter().enumerate() {
         let (name, look) = (named(&cloth.name, "cloth", index), dress::look(cloth, index));
         let entity = spawn_cloth(&mut commands, &mut meshes, &scene, cloth, (name, next()));
         commands.entity(entity).insert((look, Said(cloth.clone(), index)));
+        let wearer = cloth.worn.and_then(|worn| Some(figures.get(worn.figure as usize)?[worn.part as usize]));
+        if let Some(part) = wearer {
+            commands.entity(entity).insert(ChildOf(part));
+        }
         for weight in &cloth.weights {
             let Some((form, finish)) = &weight.body else { continue };
             if let (Some(mesh), Some(material)) = (mesh_of(&shape(form)), finishes.material(*finish)) {
@@ -134,7 +143,8 @@ fn spawn_cloth(
         entity.insert(self_contact);
     }
     if let Some(fire) = &spec.fire {
-        let at = |part: &Vec2| place.transform_point(((*part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
+        let frame = scene.frame(spec);
+        let at = |part: &Vec2| frame.point(spec.point(*part));
         entity.insert((fire.burns, Lit(fire.lit.iter().map(at).collect())));
     }
     if let Some(tearing) = spec.tearing {
@@ -154,7 +164,7 @@ fn spawn_cloth(
     }
     let entity = entity.id();
     let places = spec.pins.iter().flat_map(|group| group.places(spec.cells));
-    let places = places.map(|part| ((part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0));
+    let places = places.map(|part| spec.point(part));
     match (spec.hardware, &spec.pins[..]) {
         (Hardware::Auto, [ScenePins::Rods(_)]) | (Hardware::SlidingRod, _) => {
             let rod = place * Transform::from_xyz(0.0, spec.size.y / 2.0 + curtain_rod::DROP, 0.0);
@@ -168,7 +178,7 @@ fn spawn_cloth(
     entity
 }
 
-/// The mesh of a piece that is cut out of a rectangle.
+/// The mesh of a piece that is cut out of a rectangle, or goes around something.
 fn cut_out(spec: &SceneCloth) -> Option<Mesh> {
     let piece = spec.piece()?;
     let indices = piece.triangles.concat();
@@ -210,11 +220,12 @@ pub fn light(
 }
 
 fn pins(spec: &SceneCloth) -> Pins {
+    let is_flat = spec.outline.is_empty() && spec.wrap.is_none();
     let groups = spec.pins.iter().map(|group| match group {
         // By name where there is one: they follow a change of the size.
-        ScenePins::Top if spec.outline.is_empty() => Pins::top(),
-        ScenePins::Corners if spec.outline.is_empty() => Pins::corners(),
-        ScenePins::Rods(rods) if spec.outline.is_empty() => Pins::rods(*rods),
+        ScenePins::Top if is_flat => Pins::top(),
+        ScenePins::Corners if is_flat => Pins::corners(),
+        ScenePins::Rods(rods) if is_flat => Pins::rods(*rods),
         _ => Pins::vertices(vertices(spec, &group.places(spec.cells))),
     });
     groups.fold(Pins::default(), Pins::and)
@@ -256,7 +267,7 @@ fn half_height(shape: &SceneShape) -> f32 {
     }
 }
 
-fn shape(shape: &SceneShape) -> ClothCollider {
+pub fn shape(shape: &SceneShape) -> ClothCollider {
     match *shape {
         SceneShape::Sphere { radius } => ClothCollider::Sphere { radius },
         SceneShape::Capsule { radius, length } => ClothCollider::Capsule { radius, length },

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy_cloth::{Cloth, ClothCollider, ClothSource, Fan};
 use bevy_cloth_inspector::Selected;
 
+use crate::scenes::Mannequin;
 use crate::throw::Ball;
 
 /// The object that is being moved by its handles, if any.
@@ -74,7 +75,10 @@ fn drag(
     selected: Res<Selected>,
     parents: Query<&ChildOf>,
     grips: Query<&Transform, With<Grip>>,
-    mut objects: Query<(&mut Transform, Option<&mut Fan>, Option<&ClothCollider>, Has<Ball>), Without<Grip>>,
+    mut objects: Query<
+        (&mut Transform, Option<&mut Fan>, Option<&ClothCollider>, (Has<Ball>, Has<Mannequin>)),
+        Without<Grip>,
+    >,
     places: Query<&GlobalTransform>,
     children: Query<&Children>,
     mut cloths: Query<&mut Cloth>,
@@ -85,7 +89,7 @@ fn drag(
         dragged.set_if_neq(Dragged(None));
         return;
     };
-    let Ok((mut object, mut fan, collider, is_ball)) = objects.get_mut(entity) else { return };
+    let Ok((mut object, mut fan, collider, (is_ball, is_mannequin))) = objects.get_mut(entity) else { return };
     if dragged.0 != Some(entity) {
         dragged.0 = Some(entity);
         let place = places.get(entity).copied().unwrap_or_default();
@@ -116,7 +120,7 @@ fn drag(
         {
             cloth.source = ClothSource::Rectangle { size: wanted, resolution };
         }
-    } else {
+    } else if !is_mannequin {
         moved.scale *= allowed(factor, collider, is_ball);
     }
     let moved = GlobalTransform::from(moved).reparented_to(&start.parent);

@@ -57,6 +57,14 @@ pub enum SceneError {
         /// Field, value and range.
         error: ClothError,
     },
+    /// A value of a mannequin is out of range.
+    #[error("figure {figure}: {error}")]
+    Figure {
+        /// Which mannequin of the scene, from 0.
+        figure: usize,
+        /// Field, value and range.
+        error: ClothError,
+    },
     /// A value of a prop is out of range.
     #[error("prop {prop}: {error}")]
     Prop {

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub enum ScenePins {
     /// The whole top edge.
     Top,
+    /// So many rows from the top, 1..=10,000: a yoke. One is the top edge.
+    Rows(u32),
     /// The two ends of the top edge.
     Corners,
     /// This many points spread evenly along the top edge, both ends included, 0..=100,000. One holds the middle.
@@ -29,6 +31,10 @@ impl ScenePins {
         let along = |count: u32| (0..=count).map(move |place| place as f32 / count as f32);
         match self {
             Self::Top => along(cells.x).map(|part| Vec2::new(part, 0.0)).collect(),
+            Self::Rows(rows) => {
+                let rows = (0..(*rows).min(cells.y + 1)).map(|row| row as f32 / cells.y as f32);
+                rows.flat_map(|part| along(cells.x).map(move |across| Vec2::new(across, part))).collect()
+            }
             Self::Corners => vec![Vec2::ZERO, Vec2::X],
             Self::Rods(0) => Vec::new(),
             Self::Rods(1) => vec![Vec2::new(0.5, 0.0)],
@@ -49,6 +55,7 @@ impl ScenePins {
     pub(crate) fn validate(&self) -> Result<(), ClothError> {
         match self {
             Self::Rods(rods) => ClothError::check("ScenePins::Rods", *rods as f32, 0.0..=1e5, "0..=100,000"),
+            Self::Rows(rows) => ClothError::check("ScenePins::Rows", *rows as f32, 1.0..=1e4, "1..=10,000"),
             Self::At(places) => places.iter().flat_map(|place| place.to_array()).try_for_each(|part| {
                 ClothError::check("ScenePins::At", part, 0.0..=1.0, "0..=1, parts of width and height")
             }),

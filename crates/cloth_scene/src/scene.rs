@@ -8,8 +8,8 @@ use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Finish, SceneError, SceneFan, SceneFire, SceneLook, SceneMotion, ScenePins, SceneProp, SceneShape, SceneView,
-    SceneZone,
+    Finish, SceneError, SceneFan, SceneFigure, SceneFire, SceneLook, SceneMotion, ScenePins, SceneProp, SceneShape,
+    SceneView, SceneWorn, SceneWrap, SceneZone,
 };
 
 /// A scene: cloths, colliders, gravity, air and what moves it, and how it is advanced. Every field may be left out, none may be unknown.
@@ -71,6 +71,8 @@ pub struct Scene {
     pub cloths: Vec<SceneCloth>,
     /// What they meet.
     pub colliders: Vec<SceneCollider>,
+    /// Mannequins that walk. Cloth cannot enter them, and they may wear it.
+    pub figures: Vec<SceneFigure>,
     /// What is only seen.
     pub props: Vec<SceneProp>,
     /// How it is shown.
@@ -95,6 +97,7 @@ impl Default for Scene {
             iterations: 1,
             cloths: Vec::new(),
             colliders: Vec::new(),
+            figures: Vec::new(),
             props: Vec::new(),
             view: SceneView::default(),
         }
@@ -128,6 +131,10 @@ pub struct SceneCloth {
     /// The outline of a piece that is cut out of the rectangle, as parts of width (from the left) and height (from the top),
     /// 0..=1: whole cells whose middle lies within it. Default the whole rectangle. At most 1,000 corners.
     pub outline: Vec<Vec2>,
+    /// How it goes around something. Its size is then that of the wrap, and `size` says nothing. Default: it is flat.
+    pub wrap: Option<SceneWrap>,
+    /// What wears it. Default none.
+    pub worn: Option<SceneWorn>,
     /// The method, in place of the scene's. Default none.
     pub method: Option<Method>,
     /// Substeps in a tick, in place of the scene's, 1..=10000. Default none.
@@ -141,7 +148,8 @@ pub struct SceneCloth {
     pub look: Option<SceneLook>,
     /// What is seen where it is held. Default [`Hardware::Auto`].
     pub hardware: Hardware,
-    /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z.
+    /// Where the middle of the rectangle is and how it is turned; unturned it stands upright and faces +z. Of one that is worn: as seen
+    /// from the part that it goes with.
     pub place: ScenePlace,
 }
 
@@ -159,6 +167,8 @@ impl Default for SceneCloth {
             fire: None,
             tearing: None,
             outline: Vec::new(),
+            wrap: None,
+            worn: None,
             method: None,
             substeps: None,
             motion: None,
@@ -336,6 +346,17 @@ impl Scene {
         for (cloth, spec) in self.cloths.iter().enumerate() {
             spec.validate().map_err(|error| SceneError::Cloth { cloth, error })?;
         }
+        for (figure, spec) in self.figures.iter().enumerate() {
+            spec.validate().map_err(|error| SceneError::Figure { figure, error })?;
+        }
+        for (cloth, spec) in self.cloths.iter().enumerate() {
+            let Some(worn) = spec.worn else { continue };
+            if worn.figure as usize >= self.figures.len() {
+                let allowed = "the number of one of the scene's `figures`, from 0";
+                let error = ClothError::OutOfRange { field: "SceneWorn::figure", value: worn.figure as f32, allowed };
+                return Err(SceneError::Cloth { cloth, error });
+            }
+        }
         for (prop, spec) in self.props.iter().enumerate() {
             let of_prop = |error| SceneError::Prop { prop, error };
             spec.place.validate("SceneProp::place").and_then(|()| spec.finish.validate()).map_err(of_prop)?;
@@ -352,15 +373,15 @@ impl Scene {
     }
 }
 
-/// A piece cut out of a rectangle.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ScenePiece {
-    /// Rest position of each vertex, m.
-    pub positions: Vec<Vec3>,
-    /// Texture coordinates: parts of width (from the left) and height (from the top).
-    pub uvs: Vec<Vec2>,
-    /// Triangles, counterclockwise as seen from +z.
-    pub triangles: Vec<[u32; 3]>,
+impl Scene {
+    /// Where a cloth of the scene is at first, in the world.
+    pub fn frame(&self, cloth: &SceneCloth) -> Pose {
+        let (place, worn) = (cloth.place.pose(), cloth.worn);
+        match worn.and_then(|worn| Some(self.figures.get(worn.figure as usize)?.standing(worn.part))) {
+            Some(part) => Pose::new(part.point(place.position), (part.rotation * place.rotation).normalize()),
+            None => place,
+        }
+    }
 }
 
 impl SceneWeight {
@@ -404,6 +425,7 @@ impl SceneCloth {
                 ClothError::check("SceneCloth::outline", part, 0.0..=1.0, "0..=1, parts of width and height")?;
             }
         }
+        self.wrap.as_ref().map_or(Ok(()), SceneWrap::validate)?;
         self.motion.as_ref().map_or(Ok(()), SceneMotion::validate)?;
         self.look.as_ref().map_or(Ok(()), SceneLook::validate)
     }
@@ -414,49 +436,6 @@ impl SceneCloth {
         let part = time.clamp(0.0, 1.0) as f32;
         let drawn = (self.gather - 1.0) * part * part * (3.0 - 2.0 * part) * local.x;
         Pose::new(pose.point(Vec3::X * drawn), pose.rotation)
-    }
-
-    /// Whether the cell of that column and row (from the top left) belongs to the piece.
-    pub fn has_cell(&self, column: u32, row: u32) -> bool {
-        let at = (Vec2::new(column as f32, row as f32) + 0.5) / self.cells.as_vec2();
-        let corners = self.outline.len();
-        // Within, if a ray to the right crosses the outline an odd number of times.
-        let crosses = |corner: usize| {
-            let (a, b) = (self.outline[corner], self.outline[(corner + 1) % corners]);
-            (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
-        corners == 0 || (0..corners).filter(|corner| crosses(*corner)).count() % 2 == 1
-    }
-
-    /// Rest positions, texture coordinates and triangles of a piece that is cut out of the rectangle; vertices row by row from
-    /// the top left, those of no triangle left out. `None` of a whole rectangle.
-    pub fn piece(&self) -> Option<ScenePiece> {
-        if self.outline.is_empty() {
-            return None;
-        }
-        let (columns, rows) = (self.cells.x, self.cells.y);
-        let mut number = vec![u32::MAX; ((columns + 1) * (rows + 1)) as usize];
-        let mut piece = ScenePiece::default();
-        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-            if !self.has_cell(column, row) {
-                continue;
-            }
-            let [a, b, c, d] =
-                [(row, column), (row, column + 1), (row + 1, column), (row + 1, column + 1)].map(|(row, column)| {
-                    let slot = (row * (columns + 1) + column) as usize;
-                    if number[slot] == u32::MAX {
-                        number[slot] = piece.positions.len() as u32;
-                        let part = Vec2::new(column as f32, row as f32) / self.cells.as_vec2();
-                        piece.positions.push(((part - 0.5) * self.size * Vec2::new(1.0, -1.0)).extend(0.0));
-                        piece.uvs.push(part);
-                    }
-                    number[slot]
-                });
-            // Diagonals alternate, so that no direction is stiffer than its mirror image.
-            let pair = if (row + column) % 2 == 0 { [[a, c, b], [b, c, d]] } else { [[a, c, d], [a, d, b]] };
-            piece.triangles.extend(pair);
-        }
-        Some(piece)
     }
 
     /// The fabric, with the damping of this cloth.

@@ -10,11 +10,12 @@ use cloth_solver::topology::{MeshSource, Resolution};
 use cloth_solver::{Cloth, ClothError, Fabric, Motion, Pose, Tick, Topology, measure};
 use glam::{Vec2, Vec3};
 
+use crate::figure::Body;
 use crate::fire::SceneFire;
-use crate::scene::{SceneCloth, SceneCollider, ScenePiece, ScenePlace, SceneWeight};
-use crate::{Scene, SceneError, SceneShape};
+use crate::scene::{SceneCloth, SceneCollider, ScenePlace, SceneWeight};
+use crate::{Scene, SceneError, ScenePiece, SceneShape};
 
-/// The cloths of a scene, each in its own frame (the scene's [`place`](SceneCloth::place)).
+/// The cloths of a scene, each in its own frame ([`Scene::frame`]). Mannequins stand as they do at first, and so does what they wear.
 #[derive(Clone, Debug)]
 pub struct World {
     /// What it was built from. Air and all that moves it, gravity, rate, substeps and iterations may be changed while it
@@ -37,7 +38,7 @@ impl World {
     /// # Errors
     /// What in the scene is out of range.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let frames: Vec<Pose> = scene.cloths.iter().map(|cloth| cloth.place.pose()).collect();
+        let frames: Vec<Pose> = scene.cloths.iter().map(|cloth| scene.frame(cloth)).collect();
         let (mut cloths, mut fires) = (Vec::with_capacity(scene.cloths.len()), Vec::new());
         for (index, (spec, frame)) in scene.cloths.iter().zip(&frames).enumerate() {
             let cloth = build(index, spec, frame, scene)?;
@@ -109,7 +110,10 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
     let topology = match spec.piece() {
         Some(ScenePiece { positions, uvs, triangles }) => {
             let indices = triangles.as_flattened();
-            Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices }).map_err(of_cloth)?
+            let topology = Topology::from_mesh(MeshSource { positions: &positions, uvs: &uvs, indices });
+            let topology = topology.map_err(of_cloth)?;
+            // As an engine makes it, which finds rows and columns.
+            if spec.wrap.is_some() { topology.into_quads() } else { topology }
         }
         None => rectangle,
     };
@@ -126,6 +130,14 @@ fn build(index: usize, spec: &SceneCloth, frame: &Pose, scene: &Scene) -> Result
     for (number, collider) in scene.colliders.iter().enumerate().filter(|(_, collider)| collider.mass.is_none()) {
         let error = |error| SceneError::Collider { collider: number, error };
         cloth.contacts.colliders.push(solid(collider, frame, &fabric).map_err(error)?);
+    }
+    for (figure, spec) in scene.figures.iter().enumerate() {
+        for (part, shape, inner) in Body::new(spec.height).solids() {
+            let at = placed(&spec.standing(part), &inner);
+            let solid = form(&shape).map_err(|error| SceneError::Figure { figure, error })?;
+            let motion = Motion::at_rest(frame.inverse_pose(&at));
+            cloth.contacts.colliders.push(Collider { shape: solid, motion, friction: fabric.friction });
+        }
     }
     Ok(cloth)
 }
@@ -154,20 +166,25 @@ fn light(spec: &SceneCloth, cloth: &Cloth) -> Result<Option<Fire>, ClothError> {
 
 /// A collider in the frame of a cloth of `fabric`.
 pub(crate) fn solid(collider: &SceneCollider, frame: &Pose, fabric: &Fabric) -> Result<Collider, ClothError> {
-    let shape = match collider.shape {
-        SceneShape::Sphere { radius } => Shape::sphere(radius)?,
-        SceneShape::Capsule { radius, length } => Shape::capsule(radius, length)?,
-        SceneShape::Cuboid { size } => Shape::cuboid(size)?,
-        SceneShape::Pyramid { base, height } => Shape::pyramid(base, height)?,
-        SceneShape::Ellipsoid { radii } => Shape::ellipsoid(radii)?,
-        SceneShape::Cylinder { radius, height } => Shape::cylinder(radius, height)?,
-        SceneShape::Cone { radius, height } => Shape::cone(radius, height)?,
-        SceneShape::RoundedCuboid { size, radius } => Shape::rounded_cuboid(size, radius)?,
-        SceneShape::Ground => Shape::HalfSpace,
-    };
+    let shape = form(&collider.shape)?;
     let friction = collider.friction.unwrap_or(fabric.friction);
     ClothError::check("SceneCollider::friction", friction, 0.0..=10.0, "0..=10")?;
     Ok(Collider { shape, motion: Motion::at_rest(frame.inverse_pose(&collider.place.pose())), friction })
+}
+
+/// The form of a collider, as the solver knows it.
+fn form(shape: &SceneShape) -> Result<Shape, ClothError> {
+    match *shape {
+        SceneShape::Sphere { radius } => Shape::sphere(radius),
+        SceneShape::Capsule { radius, length } => Shape::capsule(radius, length),
+        SceneShape::Cuboid { size } => Shape::cuboid(size),
+        SceneShape::Pyramid { base, height } => Shape::pyramid(base, height),
+        SceneShape::Ellipsoid { radii } => Shape::ellipsoid(radii),
+        SceneShape::Cylinder { radius, height } => Shape::cylinder(radius, height),
+        SceneShape::Cone { radius, height } => Shape::cone(radius, height),
+        SceneShape::RoundedCuboid { size, radius } => Shape::rounded_cuboid(size, radius),
+        SceneShape::Ground => Ok(Shape::HalfSpace),
+    }
 }
 
 /// Hangs a weight on a cloth.
@@ -221,7 +238,7 @@ fn pins(topology: &Topology, spec: &SceneCloth) -> Result<Pins, ClothError> {
 
 /// The particle at rest nearest to a point of the rectangle.
 fn nearest(topology: &Topology, spec: &SceneCloth, part: Vec2) -> Option<u32> {
-    let at = ((part - 0.5) * spec.size * Vec2::new(1.0, -1.0)).extend(0.0);
+    let at = spec.point(part);
     let distance = |slot: &u32| topology.rest[*slot as usize].distance_squared(at);
     topology.particles().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

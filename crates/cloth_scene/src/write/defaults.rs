@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::tree::{Builder, Node};
 use crate::{
-    Finish, Scene, SceneCamera, SceneCloth, SceneCollider, SceneFan, SceneFire, SceneLook, SceneMotion, ScenePlace,
-    SceneProp, SceneShape, SceneTearing, SceneView, SceneWeight, SceneZone,
+    Finish, Scene, SceneCamera, SceneCloth, SceneCollider, SceneFan, SceneFigure, SceneFire, SceneLook, SceneMotion,
+    ScenePlace, SceneProp, SceneRing, SceneShape, SceneTearing, SceneView, SceneWeight, SceneWorn, SceneWrap,
+    SceneZone,
 };
 
 /// The structures of scene files as they are by default.
@@ -31,6 +32,10 @@ impl Defaults {
             of(&SceneMotion::default()),
             of(&ScenePlace::default()),
             of(&SceneView::default()),
+            of(&SceneFigure::default()),
+            of(&SceneWorn::default()),
+            of(&SceneWrap::default()),
+            of(&SceneRing::default()),
             of(&SceneFan::default()),
             of(&SceneZone::default()),
             of(&SceneCollider::new("", shape, place)),
@@ -81,6 +86,7 @@ fn required(of: &str) -> &'static [&'static str] {
         "SceneCollider" => &["shape"],
         "SceneProp" => &["shape", "finish"],
         "SceneWeight" => &["at", "mass"],
+        "SceneRing" => &["at", "radii"],
         "SceneCamera" => &["from", "to"],
         _ => &[],
     }

@@ -85,14 +85,15 @@ fn frozen_it_keeps_its_shape_goes_with_what_it_hangs_on_and_moves_on_from_there(
     let place = get::<Transform>(&app, flag).translation;
     assert!(get::<ClothFrame>(&app, flag).pose.position.distance(place) < 1e-6);
     assert_eq!(get::<Particles>(&app, flag).velocity.get(20), Vec3::ZERO);
-    // It goes on without a jolt.
+    // It goes on without a jolt, though it is blown from another side now.
+    app.world_mut().entity_mut(flag).insert(Wind(Vec3::ZERO));
     app.world_mut().get_mut::<Transform>(eye).expect("it is there").translation.z = 10.0;
     let mut before = world_positions(&app, flag);
     for tick in 0..120 {
         run(&mut app, 1);
         let now = world_positions(&app, flag);
         let moved = largest_move(&before, &now);
-        assert!(moved < 8.0 * TICK.as_secs_f32(), "{moved} m in tick {tick}");
+        assert!(moved < 3.0 * TICK.as_secs_f32(), "{moved} m in tick {tick}");
         before = now;
     }
     assert!(largest_move(&world_positions(&app, flag), &before) == 0.0);

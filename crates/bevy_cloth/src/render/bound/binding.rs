@@ -175,7 +175,8 @@ impl Nearest<'_> {
     /// Whether `under` lies where it lay, with the particles that it has now.
     fn is_still(&self, under: &mut Under) -> bool {
         let Some(now) = self.topology.triangles.get(under.triangle as usize) else { return false };
-        let rest = |corners: &[u32; 3]| corners.map(|slot| self.topology.rest[slot as usize]);
+        // Of a cloth that is whole again, particles are gone that came of tears.
+        let rest = |corners: &[u32; 3]| corners.map(|slot| self.topology.rest.get(slot as usize));
         let same = rest(now) == rest(&under.corners);
         if same {
             under.corners = *now;

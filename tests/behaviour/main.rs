@@ -19,6 +19,7 @@ mod damage;
 mod despawn;
 mod diagnostics;
 mod drawing;
+mod engines;
 mod fan;
 mod fire;
 mod flames;

@@ -17,6 +17,8 @@ pub struct Body {
     pub inverse_mass: Mat3,
     /// Inverse of the inertia about the centre of mass, 1/(kg m²): takes an angular impulse (N·m·s) to a change of spin (1/s).
     pub inverse_inertia: Mat3,
+    /// Takes an angular impulse to a change of velocity, and turned over an impulse to a change of spin: 0 unless something is fixed to it.
+    coupling: Mat3,
     /// Where its centre of mass is at the start and at the end of the tick without cloth, m.
     pub center: [Vec3; 2],
     /// What the cloth did to it since the tick began.
@@ -63,7 +65,8 @@ impl Default for Push {
 impl Body {
     /// A body whose centre of mass goes from one place to the other in this tick, m.
     pub fn new(inverse_mass: Mat3, inverse_inertia: Mat3, center: [Vec3; 2]) -> Self {
-        Self { inverse_mass, inverse_inertia, center, push: Push::default(), before: (Vec3::ZERO, Quat::IDENTITY) }
+        let (coupling, push, before) = (Mat3::ZERO, Push::default(), (Vec3::ZERO, Quat::IDENTITY));
+        Self { inverse_mass, inverse_inertia, coupling, center, push, before }
     }
 
     /// A body of so much mass (kg) and so much inertia about its centre of mass (kg m²) that goes from one place to the other.
@@ -71,13 +74,23 @@ impl Body {
         Self::new(Mat3::from_diagonal(Vec3::splat(1.0 / mass)), inertia.inverse(), center)
     }
 
-    /// The same body with a further `mass` (kg) fixed to it at `arm` (m) from its centre of mass. What moves with it and is no part of it.
+    /// Fixes a further `mass` (kg) to it at `arm` (m) from its centre of mass: what moves with it and is no part of it.
     pub(crate) fn load(&mut self, mass: f32, arm: Vec3) {
-        let solve = |inverse: Mat3, more: Mat3| inverse * (Mat3::IDENTITY + more * inverse).inverse();
-        self.inverse_mass = solve(self.inverse_mass, Mat3::from_diagonal(Vec3::splat(mass)));
-        let outer = Mat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-        let inertia = (Mat3::from_diagonal(Vec3::splat(arm.length_squared())) - outer) * mass;
-        self.inverse_inertia = solve(self.inverse_inertia, inertia);
+        let cross = crossed(arm);
+        let load = six_by_six([Mat3::IDENTITY, -cross, cross, -(cross * cross)].map(|block| block * mass));
+        let mobility = self.mobility();
+        let loaded = identity_plus_product(&mobility, &load);
+        let columns: [Six; 6] = std::array::from_fn(|column| solve(loaded, mobility.map(|row| row[column])));
+        let block = |row: usize, column: usize| {
+            let part = |c: usize| Vec3::from_array(std::array::from_fn(|r| columns[column + c][row + r] as f32));
+            Mat3::from_cols(part(0), part(1), part(2))
+        };
+        (self.inverse_mass, self.inverse_inertia, self.coupling) = (block(0, 0), block(3, 3), block(0, 3));
+    }
+
+    /// What takes an impulse and its moment about the centre of mass to a change of velocity and spin.
+    pub(crate) fn mobility(&self) -> [Six; 6] {
+        six_by_six([self.inverse_mass, self.coupling, self.coupling.transpose(), self.inverse_inertia])
     }
 
     /// Whether anything can move it.
@@ -88,7 +101,8 @@ impl Body {
     /// The least mass that it has at `arm` (m) from its centre of mass, in any direction, kg.
     pub fn mass_at(&self, arm: Vec3) -> f32 {
         let cross = crossed(arm);
-        let mobility = self.inverse_mass + cross * self.inverse_inertia * cross.transpose();
+        let turned = self.coupling * cross;
+        let mobility = self.inverse_mass + turned + turned.transpose() - cross * self.inverse_inertia * cross;
         // The Frobenius norm of a symmetric matrix is no less than its largest eigenvalue.
         let norm = [mobility.x_axis, mobility.y_axis, mobility.z_axis].map(Vec3::length_squared).iter().sum::<f32>();
         let largest = largest_eigenvalue(mobility).min(norm.sqrt());
@@ -140,8 +154,8 @@ impl Body {
 
     /// Gives it an impulse (N·s) and an angular impulse about its centre of mass (N·m·s).
     pub(crate) fn give(&mut self, impulse: Vec3, moment: Vec3) {
-        self.push.velocity += self.inverse_mass * impulse;
-        self.push.spin += self.inverse_inertia * moment;
+        self.push.velocity += self.inverse_mass * impulse + self.coupling * moment;
+        self.push.spin += self.coupling.transpose() * impulse + self.inverse_inertia * moment;
         self.push.impulse += impulse;
         self.push.moment += moment;
         self.push.touched = true;
@@ -164,4 +178,45 @@ fn largest_eigenvalue(m: Mat3) -> f32 {
     }
     let half = ((rest * (1.0 / p)).determinant() / 2.0).clamp(-1.0, 1.0);
     mean + 2.0 * p * libm::cosf(libm::acosf(half) / 3.0)
+}
+
+/// Six numbers: of a velocity and a spin, or of an impulse and its moment.
+pub(crate) type Six = [f64; 6];
+
+/// A matrix by rows, of its blocks by rows.
+fn six_by_six(blocks: [Mat3; 4]) -> [Six; 6] {
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| f64::from(blocks[row / 3 * 2 + column / 3].col(column % 3)[row % 3]))
+    })
+}
+
+/// 1 + W A.
+pub(crate) fn identity_plus_product(w: &[Six; 6], a: &[Six; 6]) -> [Six; 6] {
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| {
+            let product: f64 = (0..6).map(|k| w[row][k] * a[k][column]).sum();
+            product + f64::from(u8::from(row == column))
+        })
+    })
+}
+
+/// Solves m x = v by elimination. `m` is 1 + W A with W and A positive semidefinite, and so has an inverse.
+pub(crate) fn solve(mut m: [Six; 6], mut v: Six) -> Six {
+    for column in 0..6 {
+        let pivot = (column..6).max_by(|a, b| m[*a][column].abs().total_cmp(&m[*b][column].abs())).unwrap_or(column);
+        m.swap(column, pivot);
+        v.swap(column, pivot);
+        for row in column + 1..6 {
+            let factor = m[row][column] / m[column][column];
+            for k in column..6 {
+                m[row][k] -= factor * m[column][k];
+            }
+            v[row] -= factor * v[column];
+        }
+    }
+    for row in (0..6).rev() {
+        let sum: f64 = (row + 1..6).map(|k| m[row][k] * v[k]).sum();
+        v[row] = (v[row] - sum) / m[row][row];
+    }
+    v
 }

@@ -45,7 +45,9 @@ fn compare(app: &mut App, what: &str, wall: f32, entity: Entity, engine: impl Fn
         // Inside, what is nearest is told by other rules.
         if expected > 0.0 {
             let found = distance(&solids, point);
-            assert!((found - expected).abs() < 2e-3, "{what} at {point}: {found} m, {expected} m expected");
+            // Of what is round the engine finds it by iteration, not to the last.
+            let allowed = if what.starts_with("round") { 5e-3 } else { 1e-3 };
+            assert!((found - expected).abs() < allowed, "{what} at {point}: {found} m, {expected} m expected");
             outside += 1;
         }
     }

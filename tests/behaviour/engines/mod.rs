@@ -27,6 +27,8 @@ pub trait Engine {
     fn velocity(app: &App, body: Entity) -> Vec3;
     fn set_velocity(app: &mut App, body: Entity, velocity: Vec3);
     fn set_gravity(app: &mut App, gravity: Vec3);
+    /// Lets its motion fade, moving and turning, at that rate, 1/s.
+    fn damp(app: &mut App, body: Entity, rate: f32);
 
     fn app() -> App {
         Self::app_of(TICK)
@@ -77,6 +79,11 @@ impl Engine for Avian {
         app.insert_resource(avian3d::prelude::Gravity(gravity));
         app.insert_resource(Shared(Gravity(gravity)));
     }
+
+    fn damp(app: &mut App, body: Entity, rate: f32) {
+        use avian3d::prelude::*;
+        app.world_mut().entity_mut(body).insert((LinearDamping(rate), AngularDamping(rate)));
+    }
 }
 
 pub struct Rapier;
@@ -114,6 +121,11 @@ impl Engine for Rapier {
         app.insert_resource(Shared(Gravity(gravity)));
         let mut all = app.world_mut().query::<&mut bevy_rapier3d::plugin::RapierConfiguration>();
         all.iter_mut(app.world_mut()).for_each(|mut all| all.gravity = gravity);
+    }
+
+    fn damp(app: &mut App, body: Entity, rate: f32) {
+        let damping = bevy_rapier3d::prelude::Damping { linear_damping: rate, angular_damping: rate };
+        app.world_mut().entity_mut(body).insert(damping);
     }
 }
 

@@ -3,7 +3,8 @@
 use super::*;
 
 with_engines! {
-    a_crate_that_hangs_from_a_strip_comes_to_rest_and_gains_no_energy
+    a_crate_that_hangs_from_a_strip_bounces_no_higher_than_it_was
+    a_crate_that_hangs_from_a_strip_comes_to_rest
     a_strip_tugs_a_crate_over_the_ground
     a_crate_and_the_strip_on_it_keep_their_momentum
     what_is_pinned_to_a_body_is_where_the_body_is
@@ -25,31 +26,43 @@ fn crate_of(mass: f32) -> (Form, Option<f32>) {
     (Form::Cuboid(Vec3::new(0.3, 0.2, 0.3)), Some(mass))
 }
 
-fn a_crate_that_hangs_from_a_strip_comes_to_rest_and_gains_no_energy<E: Engine>() {
-    for fabric in [Fabric::COTTON_POPLIN, Fabric::CANVAS, Fabric::COTTON_JERSEY] {
-        for mass in [0.01, 0.1, 2.0, 20.0] {
-            let mut app = E::app();
-            let (form, of) = crate_of(mass);
-            let body = E::spawn(&mut app, form, of, Transform::from_xyz(0.0, -0.6, 0.0));
-            let fabric = Fabric { damping: 2.0, ..fabric };
-            strip(&mut app, fabric, Transform::IDENTITY, body, true);
-            let mut highest = f32::NEG_INFINITY;
-            for tick in 0..64 * 12 {
+fn a_crate_that_hangs_from_a_strip_bounces_no_higher_than_it_was<E: Engine>() {
+    for (fabric, mass) in [(Fabric::COTTON_POPLIN, 0.01), (Fabric::COTTON_POPLIN, 2.0), (Fabric::CANVAS, 20.0)] {
+        let mut app = E::app();
+        let (form, of) = crate_of(mass);
+        let body = E::spawn(&mut app, form, of, Transform::from_xyz(0.0, -0.6, 0.0));
+        strip(&mut app, Fabric { damping: 0.0, ..fabric }, Transform::IDENTITY, body, true);
+        let mut highest = [f32::NEG_INFINITY; 4];
+        for highest in &mut highest {
+            for _ in 0..96 {
                 app.update();
-                if tick > 16 {
-                    highest = highest.max(place(&app, body).y);
-                }
+                *highest = highest.max(place(&app, body).y);
             }
-            let (stands, mut farthest) = (place(&app, body), 0.0_f32);
-            for _ in 0..64 {
-                app.update();
-                farthest = farthest.max(place(&app, body).distance(stands));
-            }
-            println!("{mass} kg: at {stands}, highest {highest}, moves {farthest}");
-            assert!(highest < -0.59, "{mass} kg rose to {highest} m");
-            assert!((-0.95..-0.59).contains(&stands.y), "{mass} kg hangs at {stands}");
-            assert!(farthest < 5e-3, "{mass} kg moves by {farthest} m");
         }
+        println!("{mass} kg: {highest:?}");
+        // Up to what the fabric is stretched by in the two ticks until it holds.
+        assert!(highest.iter().all(|height| *height < -0.599), "{mass} kg rises to {highest:?} m");
+    }
+}
+
+fn a_crate_that_hangs_from_a_strip_comes_to_rest<E: Engine>() {
+    for (fabric, mass) in
+        [(Fabric::COTTON_POPLIN, 0.005), (Fabric::COTTON_POPLIN, 2.0), (Fabric::CANVAS, 2.0), (Fabric::CANVAS, 20.0)]
+    {
+        let mut app = E::app();
+        let (form, of) = crate_of(mass);
+        let body = E::spawn(&mut app, form, of, Transform::from_xyz(0.0, -0.6, 0.0));
+        E::damp(&mut app, body, 3.0);
+        strip(&mut app, Fabric { damping: 2.0, ..fabric }, Transform::IDENTITY, body, true);
+        run(&mut app, 64 * 5);
+        let (stands, mut farthest) = (place(&app, body), 0.0_f32);
+        for _ in 0..64 {
+            app.update();
+            farthest = farthest.max(place(&app, body).distance(stands));
+        }
+        println!("{mass} kg: at {stands}, moves {farthest}");
+        assert!((-0.95..-0.59).contains(&stands.y), "{mass} kg hangs at {stands}");
+        assert!(farthest < 1e-3, "{mass} kg moves by {farthest} m");
     }
 }
 
@@ -95,13 +108,13 @@ fn a_crate_and_the_strip_on_it_keep_their_momentum<E: Engine>() {
             of_cloth + 0.5 * mass * E::velocity(app, body).length_squared()
         };
         let (begin, brought, mut worst, mut most) = (total(&app), kinetic(&app), 0.0_f32, 0.0_f32);
-        for _ in 0..256 {
+        for _ in 0..128 {
             app.update();
             worst = worst.max(total(&app).distance(begin));
             most = most.max(kinetic(&app));
         }
         println!("{mass} kg: off by {worst} of {begin}, {most} J of {brought} J");
-        assert!(worst < 2e-3 * begin.length(), "{mass} kg: {worst} N·s of {begin}");
+        assert!(worst < 1e-4 * begin.length(), "{mass} kg: {worst} N·s of {begin}");
         assert!(most < 1.02 * brought, "{mass} kg: {most} J of {brought} J");
     }
 }
@@ -133,7 +146,8 @@ fn two_strips_hold_a_crate_together<E: Engine>() {
         let fabric = Fabric { damping: 2.0, ..Fabric::CANVAS };
         strip(&mut app, fabric, Transform::from_xyz(side, 0.0, 0.0), body, true);
     }
-    run(&mut app, 64 * 12);
+    E::damp(&mut app, body, 3.0);
+    run(&mut app, 64 * 5);
     let stands = place(&app, body);
     let mut farthest = 0.0_f32;
     for _ in 0..64 {
@@ -143,5 +157,5 @@ fn two_strips_hold_a_crate_together<E: Engine>() {
     println!("at {stands}, moves {farthest}");
     assert_eq!(get::<ClothPush>(&app, body).cloths, 2);
     assert!((-0.7..-0.59).contains(&stands.y) && stands.x.abs() < 0.02, "it hangs at {stands}");
-    assert!(farthest < 5e-3, "it moves by {farthest} m");
+    assert!(farthest < 1e-3, "it moves by {farthest} m");
 }

@@ -118,16 +118,17 @@ fn a_ball_comes_to_rest_on_a_trampoline<E: Engine>() {
         let cloth = trampoline(&mut app);
         app.world_mut().entity_mut(cloth).insert(Fabric { damping: 1.0, ..Fabric::CANVAS });
         let ball = E::spawn(&mut app, Form::Ball(RADIUS), Some(mass), Transform::from_xyz(0.0, 0.2, 0.0));
-        run(&mut app, 64 * 16);
+        E::damp(&mut app, ball, 3.0);
+        run(&mut app, 64 * 6);
         let stands = place(&app, ball);
         let mut farthest = 0.0_f32;
-        for _ in 0..128 {
+        for _ in 0..64 {
             app.update();
             farthest = farthest.max(place(&app, ball).distance(stands));
         }
         println!("{mass} kg at {stands}, moves {farthest} m");
         assert!((0.0..RADIUS + 0.01).contains(&stands.y) && stands.xz().length() < 0.05, "{mass} kg is at {stands}");
-        assert!(farthest < 2e-3, "{mass} kg moves by {farthest} m");
+        assert!(farthest < 1e-3, "{mass} kg moves by {farthest} m");
     }
 }
 

@@ -63,40 +63,34 @@ impl Plugin for ClothRapierPlugin {
 type Source<'a> = (
     Entity,
     &'a RigidBody,
-    Option<&'a ReadMassProperties>,
+    Option<(&'a RapierRigidBodyHandle, &'a RapierContextEntityLink)>,
     Has<Velocity>,
     Option<&'a LockedAxes>,
     Has<RigidBodyDisabled>,
     Option<&'a mut ClothBody>,
 );
 
-/// Gives every dynamic body a [`ClothBody`], and what rapier says of bodies only if asked.
-fn read(mut bodies: Query<Source>, mut commands: Commands) {
-    for (entity, kind, mass, has_velocity, locked, is_disabled, body) in &mut bodies {
-        if *kind != RigidBody::Dynamic || is_disabled {
+/// Gives every dynamic body a [`ClothBody`], and a `Velocity` to be changed by.
+fn read(mut bodies: Query<Source>, sets: Query<&RapierRigidBodySet>, mut commands: Commands) {
+    for (entity, kind, known, has_velocity, locked, is_disabled, body) in &mut bodies {
+        let known = known.filter(|_| *kind == RigidBody::Dynamic && !is_disabled);
+        let known = known.and_then(|(handle, set)| sets.get(set.0).ok()?.bodies.get(handle.0));
+        let mass = known.map(|known| &known.mass_properties().local_mprops).filter(|mass| mass.inv_mass > 0.0);
+        let Some(mass) = mass else {
             if body.is_some() {
                 commands.entity(entity).try_remove::<(ClothBody, ClothPush)>();
             }
             continue;
-        }
+        };
         if !has_velocity {
             commands.entity(entity).try_insert(Velocity::default());
         }
-        let Some(mass) = mass else {
-            commands.entity(entity).try_insert(ReadMassProperties::default());
-            continue;
-        };
-        let mass = mass.get();
-        if mass.mass <= 0.0 {
-            continue;
-        }
         let own = Mat3::from_quat(mass.principal_inertia_local_frame);
-        let inverse = mass.principal_inertia.to_array().map(|axis| if axis > 0.0 { 1.0 / axis } else { 0.0 });
         let locked = locked.copied().unwrap_or(LockedAxes::empty());
         let wanted = ClothBody {
-            mass: mass.mass,
-            center_of_mass: mass.local_center_of_mass,
-            inverse_inertia: own * Mat3::from_diagonal(Vec3::from_array(inverse)) * own.transpose(),
+            mass: 1.0 / mass.inv_mass,
+            center_of_mass: mass.local_com,
+            inverse_inertia: own * Mat3::from_diagonal(mass.inv_principal_inertia) * own.transpose(),
             locked_translation: BVec3::new(
                 locked.contains(LockedAxes::TRANSLATION_LOCKED_X),
                 locked.contains(LockedAxes::TRANSLATION_LOCKED_Y),

@@ -9,11 +9,11 @@
 //! each particle along the direction d in which it was pushed. Without A heavy cloth would throw a light body off, with more energy
 //! than it has itself.
 
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 use super::Touch;
 
-use crate::body::Body;
+use crate::body::{Body, Six, identity_plus_product, solve};
 use crate::{Particles, Soa3};
 
 /// The velocities before contact with one collider.
@@ -22,9 +22,6 @@ use crate::{Particles, Soa3};
 pub(super) struct Exchange {
     before: Soa3,
 }
-
-/// Six numbers: of a velocity and a spin, or of an impulse and its moment.
-type Six = [f64; 6];
 
 impl Exchange {
     /// Takes note of the velocities before a collider is met.
@@ -55,8 +52,8 @@ impl Exchange {
                 }
             }
         }
-        let inverse = generalised(&body.inverse_mass, &body.inverse_inertia);
-        let shared = solve(identity_plus(&inverse, &mass), times(&inverse, &six(impulse, moment)));
+        let mobility = body.mobility();
+        let shared = solve(identity_plus_product(&mobility, &mass), times(&mobility, &six(impulse, moment)));
         let (velocity, spin) = vectors(&shared);
         let (mut kept, mut kept_moment) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..particles.slots() {
@@ -85,51 +82,6 @@ fn vectors(six: &Six) -> (Vec3, Vec3) {
     (Vec3::from_slice(&six[..3]), Vec3::from_slice(&six[3..]))
 }
 
-/// The inverse of mass and inertia in one matrix, by rows.
-fn generalised(inverse_mass: &Mat3, inverse_inertia: &Mat3) -> [Six; 6] {
-    let mut all = [[0.0; 6]; 6];
-    for row in 0..3 {
-        for column in 0..3 {
-            all[row][column] = f64::from(inverse_mass.col(column)[row]);
-            all[row + 3][column + 3] = f64::from(inverse_inertia.col(column)[row]);
-        }
-    }
-    all
-}
-
 fn times(m: &[Six; 6], v: &Six) -> Six {
     m.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
-}
-
-/// 1 + W A.
-fn identity_plus(w: &[Six; 6], a: &[Six; 6]) -> [Six; 6] {
-    let mut sum = [[0.0; 6]; 6];
-    for row in 0..6 {
-        for column in 0..6 {
-            let product: f64 = (0..6).map(|k| w[row][k] * a[k][column]).sum();
-            sum[row][column] = product + f64::from(u8::from(row == column));
-        }
-    }
-    sum
-}
-
-/// Solves m x = v by elimination. `m` is 1 + W A with W and A positive semidefinite, and so has an inverse.
-fn solve(mut m: [Six; 6], mut v: Six) -> Six {
-    for column in 0..6 {
-        let pivot = (column..6).max_by(|a, b| m[*a][column].abs().total_cmp(&m[*b][column].abs())).unwrap_or(column);
-        m.swap(column, pivot);
-        v.swap(column, pivot);
-        for row in column + 1..6 {
-            let factor = m[row][column] / m[column][column];
-            for k in column..6 {
-                m[row][k] -= factor * m[column][k];
-            }
-            v[row] -= factor * v[column];
-        }
-    }
-    for row in (0..6).rev() {
-        let sum: f64 = (row + 1..6).map(|k| m[row][k] * v[k]).sum();
-        v[row] = (v[row] - sum) / m[row][row];
-    }
-    v
 }

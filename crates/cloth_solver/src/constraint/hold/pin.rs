@@ -116,7 +116,10 @@ impl Towed {
             let at = ahead.carry(pins.frames[pin.frame as usize].at(sub.end), sub.end).point(pin.local);
             // All of them are pulled from where the body was about to be.
             let expected = at - particles.position.get(i);
-            let impulse = (particles.moved.get(i) - expected) * (mass / sub.h);
+            let pulled = (particles.moved.get(i) - expected) * (mass / sub.h);
+            // The body takes along what is pinned to it, whose weight it bears.
+            let own = particles.acceleration * sub.kick + particles.velocity.get(i) - expected / sub.h;
+            let impulse = pulled + own * particles.mass[i];
             let arm = particles.position.get(i) - self.bodies[body as usize].center_at(sub.start);
             particles.moved.set(i, impulse);
             particles.previous.set(i, arm);

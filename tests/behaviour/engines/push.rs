@@ -129,8 +129,9 @@ fn a_ball_comes_to_rest_on_a_trampoline<E: Engine>() {
             farthest = farthest.max(place(&app, ball).distance(stands));
         }
         println!("{mass} kg at {stands}, moves {farthest} m");
-        assert!((0.0..RADIUS + 0.01).contains(&stands.y) && stands.xz().length() < 0.05, "{mass} kg is at {stands}");
-        assert!(farthest < 1e-3, "{mass} kg moves by {farthest} m");
+        assert!((-0.2..RADIUS).contains(&stands.y) && stands.xz().length() < 0.05, "{mass} kg is at {stands}");
+        // It may still roll to the middle.
+        assert!(farthest < 3e-3, "{mass} kg moves by {farthest} m");
     }
 }
 

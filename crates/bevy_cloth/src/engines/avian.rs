@@ -102,12 +102,18 @@ fn read(mut bodies: Query<Source>, mut commands: Commands) {
     }
 }
 
-type Pushed<'a> =
-    (&'a ClothPush, &'a ClothBody, &'a mut Position, &'a mut Rotation, &'a mut LinearVelocity, &'a mut AngularVelocity);
+type Pushed<'a> = (
+    &'a ClothPush,
+    &'a ClothBody,
+    &'a mut Position,
+    &'a mut Rotation,
+    (&'a mut LinearVelocity, &'a mut AngularVelocity),
+    Option<&'a mut SleepTimer>,
+);
 
 /// Lets avian know what cloth did to its bodies.
 fn write(mut bodies: Query<Pushed>) {
-    for (push, body, mut position, mut rotation, mut velocity, mut spin) in &mut bodies {
+    for (push, body, mut position, mut rotation, (mut velocity, mut spin), timer) in &mut bodies {
         if push.cloths == 0 {
             continue;
         }
@@ -116,5 +122,9 @@ fn write(mut bodies: Query<Pushed>) {
         rotation.0 = (push.turn * rotation.0).normalize();
         velocity.0 += push.velocity;
         spin.0 += push.spin;
+        // Asleep it would not feel its weight, while cloth still pushes it up.
+        if let Some(mut timer) = timer {
+            timer.0 = 0.0;
+        }
     }
 }

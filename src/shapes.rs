@@ -54,6 +54,7 @@ pub fn mesh_of(collider: &ClothCollider) -> Option<Mesh> {
         | ClothCollider::Hull { .. }
         | ClothCollider::HeightField { .. }
         | ClothCollider::Mesh { .. }
+        | ClothCollider::Triangles { .. }
         | ClothCollider::Ground => None,
     }
 }

@@ -191,7 +191,8 @@ fn shape(collider: &ClothCollider, scale: Vec3) -> Option<SceneShape> {
         ClothCollider::Convex { .. }
         | ClothCollider::Hull { .. }
         | ClothCollider::HeightField { .. }
-        | ClothCollider::Mesh { .. } => return None,
+        | ClothCollider::Mesh { .. }
+        | ClothCollider::Triangles { .. } => return None,
     })
 }
 

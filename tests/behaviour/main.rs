@@ -21,6 +21,7 @@ mod despawn;
 mod detail;
 mod diagnostics;
 mod drawing;
+mod engines;
 mod fan;
 mod fire;
 mod flames;

@@ -108,6 +108,15 @@ pub enum ClothCollider {
         /// Thickness of the wall, m; 0.001 to 10. The thicker, the cheaper it is for cloth that moves fast. Ignores scale.
         thickness: f32,
     },
+    /// Triangles of your own: a wall along them as with [`ClothCollider::Mesh`], without a mesh asset.
+    Triangles {
+        /// Corners, m.
+        positions: Vec<Vec3>,
+        /// The corners of each triangle.
+        triangles: Vec<[u32; 3]>,
+        /// Thickness of the wall, m; 0.001 to 10. Ignores scale.
+        thickness: f32,
+    },
     /// Solid ground: everything below the entity's xz plane. Ignores scale.
     Ground,
 }

@@ -28,7 +28,7 @@ pub struct ContactEvents;
 /// Put this on a [`ClothCollider`](crate::ClothCollider) to be told with what force all cloth together pushes it, for whoever wants
 /// to move a body by it. Without it nothing is summed. Writing to it has no effect.
 ///
-/// It is the mean over the last tick, friction included. A cloth that sleeps on the collider goes on weighing on it.
+/// A [`ClothBody`](crate::ClothBody) needs none of this. It is the mean over the last tick, friction included. A cloth that sleeps on the collider goes on weighing on it.
 ///
 /// ```
 /// # use bevy::prelude::*;

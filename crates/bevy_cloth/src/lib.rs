@@ -9,6 +9,7 @@
 //! - [Far and unseen](#far-and-unseen): [`ClothDetail`], [`ClothViewer`]
 //! - [Sleep](#sleep): [`ClothSleep`], [`ClothAsleep`], [`WakeCloth`]
 //! - [Contact](#contact): [`ContactEvents`], [`ClothForce`], [`ContactView`]
+//! - [Rigid bodies](#rigid-bodies): [`ClothBody`], [`ClothPush`]
 //! - [Self-contact](#self-contact): [`SelfContact`], [`ClothTangled`], [`ClothUntangled`]
 //! - [Air](#air): [`Air`], [`Wind`], [`Gusts`], [`WindZone`], [`Fan`]
 //! - [Damage](#damage): [`Tearable`], [`Flammable`], [`CutCloth`], [`ClothPieces`]
@@ -75,6 +76,10 @@
 //! A [`ClothCollider`] with [`ContactEvents`] is told by [`ContactBegan`] and [`ContactEnded`] which cloth touches it, one with
 //! [`ClothForce`] with what force all cloth together pushes it. A cloth with [`ContactView`] lists where it touches, for debug views.
 //!
+//! # Rigid bodies
+//! With the feature `avian` or `rapier` cloth and the bodies of that engine push and pull each other, see the module `engines`. Bodies
+//! that you move yourself get a [`ClothBody`], and are told by [`ClothPush`] what cloth did to them.
+//!
 //! # Self-contact
 //! A cloth with the component [`SelfContact`] does not pass through itself: its layers lie on each other, the thickness of the
 //! fabric apart, and rub. Without it they pass freely, and nothing is computed. Two cloths that both have it do not pass through each other
@@ -136,9 +141,11 @@
 //! - `render` (default): drawing. Without it the crate needs no renderer.
 //! - `picking` (default): picking. Without it the crate needs no window and no pointer.
 //! - `serialize`: [`SavedCloths`] as bytes, and `Serialize` and `Deserialize` for it, [`Pins`], [`ParticlePins`] and [`Weights`].
+//! - `avian`, `rapier`: colliders and bodies of [avian](https://docs.rs/avian3d) and [rapier](https://docs.rs/bevy_rapier3d).
 //! - `gltf`: custom properties of models from Blender say what is cloth, see the module `gltf`. Needs `bevy_gltf`.
 
 pub mod air;
+pub mod bodies;
 pub mod bones;
 pub mod clock;
 pub mod cloth;
@@ -148,6 +155,8 @@ pub mod contact_view;
 pub mod damage;
 pub mod detail;
 pub mod diagnostics;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+pub mod engines;
 pub mod events;
 pub mod freedom;
 #[cfg(feature = "gltf")]
@@ -176,6 +185,7 @@ mod shown;
 mod step;
 
 pub use air::Wind;
+pub use bodies::{ClothBody, ClothBodySystems, ClothPush};
 pub use bones::BoneColliders;
 pub use clock::{ClothClock, ClothTime};
 pub use cloth::{Cloth, ClothFrame, ClothHistory, ClothMended, ClothRejection, ClothSource, ClothTopology, Resolution};
@@ -194,6 +204,12 @@ pub use detail::{ClothDetail, ClothViewer};
 pub use diagnostics::ClothDiagnosticsPlugin;
 #[cfg(feature = "render")]
 pub use events::BoundRejected;
+#[cfg(feature = "avian")]
+pub use engines::ClothAvianPlugin;
+#[cfg(feature = "rapier")]
+pub use engines::ClothRapierPlugin;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+pub use engines::NoCloth;
 pub use events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,

@@ -22,8 +22,8 @@ use crate::step::ClothTick;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
-    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, contact, contact_view, damage, fault,
-    groups, prepare, self_contact, shown, sleep, stats, step,
+    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, bodies, contact, contact_view, damage,
+    fault, groups, prepare, self_contact, shown, sleep, stats, step,
 };
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
@@ -136,6 +136,7 @@ impl Plugin for ClothPlugin {
         sleep::plugin(app);
         contact::plugin(app);
         contact_view::plugin(app);
+        bodies::plugin(app);
         shown::plugin(app);
         app.add_observer(particle_pins::on_pin).add_observer(particle_pins::on_unpin);
         #[cfg(feature = "render")]

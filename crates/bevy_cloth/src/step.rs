@@ -174,11 +174,14 @@ pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut St
 }
 
 pub(crate) fn collide(
-    mut cloths: Query<(&ClothTopology, &mut Particles, &mut Contacts, &StepPlan), Without<ClothAsleep>>,
+    mut cloths: Query<
+        (&ClothTopology, &mut Particles, &mut Constraints, &mut Contacts, &StepPlan),
+        Without<ClothAsleep>,
+    >,
 ) {
-    for (topology, mut particles, mut contacts, plan) in &mut cloths {
+    for (topology, mut particles, mut constraints, mut contacts, plan) in &mut cloths {
         if let Some(sub) = plan.substep.filter(|_| !contacts.colliders.is_empty()) {
-            contact::collide(topology, &mut particles, &mut contacts, &sub);
+            contact::collide_with(topology, &mut particles, &mut contacts, constraints.bodies_mut(), &sub);
         }
     }
 }

@@ -59,6 +59,7 @@ fn kinds(collider: &ClothCollider) -> [ClothCollider; 8] {
         | ClothCollider::Hull { .. }
         | ClothCollider::HeightField { .. }
         | ClothCollider::Mesh { .. }
+        | ClothCollider::Triangles { .. }
         | ClothCollider::Ground => Vec3::splat(0.5),
     };
     let radius = size.x.min(size.z) / 2.0;
@@ -88,6 +89,7 @@ fn kind_name(collider: &ClothCollider) -> &'static str {
         ClothCollider::Hull { .. } => "hull of points",
         ClothCollider::HeightField { .. } => "height field",
         ClothCollider::Mesh { .. } => "triangle mesh",
+        ClothCollider::Triangles { .. } => "triangles",
         ClothCollider::Ground => "ground",
     }
 }
@@ -143,7 +145,7 @@ fn shape(ui: &mut egui::Ui, collider: &mut ClothCollider) {
             let text = format!("{} × {}", cells.x, cells.y);
             widgets::reading(ui, "cells", "Cells along x and z.", text);
         }
-        ClothCollider::Mesh { thickness } => thick(ui, thickness),
+        ClothCollider::Mesh { thickness } | ClothCollider::Triangles { thickness, .. } => thick(ui, thickness),
         ClothCollider::Ground => {}
     }
 }

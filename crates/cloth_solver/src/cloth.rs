@@ -176,6 +176,7 @@ impl Cloth {
     /// Takes the substep that was tried, and keeps off solids.
     pub(crate) fn accept(&mut self, sub: &Substep) {
         crate::method::accept(&mut self.particles, &mut self.constraints, sub);
-        crate::contact::collide(&self.topology, &mut self.particles, &mut self.contacts, sub);
+        let bodies = self.constraints.bodies_mut();
+        crate::contact::collide_with(&self.topology, &mut self.particles, &mut self.contacts, bodies, sub);
     }
 }

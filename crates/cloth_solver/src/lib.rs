@@ -5,6 +5,7 @@
 //! [`tick::Pace`], [`method::integrate`], [`method::solve`], [`method::accept`], [`contact::collide`].
 
 pub(crate) mod batch;
+pub mod body;
 pub mod cloth;
 pub mod constraint;
 pub mod contact;
@@ -27,6 +28,7 @@ pub mod topology;
 
 mod lanes;
 
+pub use body::Body;
 pub use cloth::Cloth;
 pub use damage::fire::{Fire, Flammable};
 pub use error::ClothError;

@@ -211,6 +211,23 @@ impl Anchors {
         Some(skin)
     }
 
+    /// The entity that each frame of the pins follows, if it is one.
+    pub fn entities(&self) -> impl Iterator<Item = Option<Entity>> {
+        self.all.iter().map(|anchor| match anchor {
+            Anchor::Entity { entity, .. } => Some(*entity),
+            Anchor::Cloth | Anchor::World(_) => None,
+        })
+    }
+
+    /// Lets `shift` change how each entity is followed.
+    pub fn shift(&mut self, shift: impl Fn(Entity, &mut Follow)) {
+        for anchor in &mut self.all {
+            if let Anchor::Entity { entity, follow, .. } = anchor {
+                shift(*entity, follow);
+            }
+        }
+    }
+
     /// Whether any of it is another entity.
     pub fn follow_entities(&self) -> bool {
         self.all.iter().any(|anchor| matches!(anchor, Anchor::Entity { .. }))

@@ -230,7 +230,7 @@ pub(crate) fn advance(
 
 impl Follow {
     /// How a solid moves over this tick. One that jumps was always where it ends: it strikes nothing on its way.
-    fn sweep(&mut self, target: Pose, tick: &ClothTick) -> Motion {
+    pub(crate) fn sweep(&mut self, target: Pose, tick: &ClothTick) -> Motion {
         self.aim(target, tick);
         if self.jumps(&JUMP) {
             self.carry(target);

@@ -53,6 +53,10 @@ pub(super) fn shape(collider: &ClothCollider, scale: Vec3, mesh: Option<&Mesh>) 
             let (positions, indices) = positions_and_indices(mesh, scale)?;
             Shape::triangle_mesh(&positions, &indices, *thickness)
         }
+        ClothCollider::Triangles { positions, triangles, thickness } => {
+            let positions: Vec<Vec3> = positions.iter().map(|position| *position * scale).collect();
+            Shape::triangle_mesh(&positions, triangles.as_flattened(), *thickness)
+        }
         ClothCollider::Ground => Ok(Shape::HalfSpace),
     }
 }

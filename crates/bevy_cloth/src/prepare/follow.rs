@@ -7,6 +7,7 @@ use cloth_solver::Pose;
 
 use super::placement::{Placement, Placements};
 use super::{Anchors, ColliderState, StepPlan};
+use crate::bodies::BodyState;
 use crate::clock::{ClothClock, ClothTime};
 use crate::cloth::{ClothFrame, ClothRejection};
 use crate::settings::Grabs;
@@ -77,6 +78,12 @@ impl Follow {
         self.spread = self.spread.min(self.left.floor()).max(1.0);
     }
 
+    /// What it follows was moved to `now` as `moves` moves a pose: that is no motion.
+    pub fn shift(&mut self, now: Pose, moves: impl Fn(Pose) -> Pose) {
+        self.pose = if self.pose == self.target { now } else { moves(self.pose) };
+        (self.target, self.before) = (now, now);
+    }
+
     /// Whether the share of this tick in its move is a jump.
     pub fn jumps(&self, limits: &Teleport) -> bool {
         // By what it was moved in this frame, and by what is left of that: evenly spread both are the same.
@@ -115,6 +122,7 @@ pub(super) fn is_near(a: &Pose, b: &Pose, distance: f32, angle: f32) -> bool {
 pub(crate) fn look(
     mut cloths: Query<(Entity, &mut ClothFrame, &mut Anchors, &mut StepPlan, Option<&Grabs>), Without<ClothRejection>>,
     mut colliders: Query<(Entity, &mut ColliderState)>,
+    mut bodies: Query<(Entity, &mut BodyState)>,
     placements: Placements,
     frames: Option<Res<Time<Virtual>>>,
     clock: Res<Time<ClothClock>>,
@@ -137,6 +145,11 @@ pub(crate) fn look(
         }
         anchors.look(&placements, ticks);
         plan.look(grabs, ticks);
+    }
+    for (entity, mut state) in &mut bodies {
+        if let Some(pose) = stands(entity) {
+            state.look(pose, ticks);
+        }
     }
     for (entity, mut state) in &mut colliders {
         if let (Some(follow), Some(pose)) = (&mut state.follow, stands(entity)) {

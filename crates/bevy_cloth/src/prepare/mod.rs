@@ -23,6 +23,7 @@ use cloth_solver::Pose;
 use cloth_solver::forces::{Fan, WindZone};
 
 use crate::air;
+use crate::bodies;
 use crate::bones;
 use crate::groups;
 use crate::schedule::{ClothSchedule, ClothSystems};
@@ -125,11 +126,12 @@ pub(crate) fn plugin(app: &mut App, schedule: impl ScheduleLabel, in_fixed_loop:
         .add_systems(
             ClothSchedule,
             (
-                (collider::place, wind_source::place),
+                (collider::place, wind_source::place, bodies::place),
                 sleep::wake,
                 groups::wake_neighbors,
                 frame::advance,
                 collider::advance,
+                bodies::advance,
                 groups::form,
             )
                 .chain()

@@ -91,6 +91,7 @@ impl AwakeItem<'_, '_> {
             || self.particles.force.as_ref().is_some_and(|force| !is_below(force, f32::MIN_POSITIVE))
             || self.fire.is_some_and(|fire| fire.is_warm())
             || self.own.is_some_and(|own| own.tangled() > 0)
+            || self.constraints.bodies().iter().any(|body| body.push.touched && body.is_movable())
             || self.contacts.is_leaving()
             || self.has_debris()
             || self.particles.airflow.as_ref().is_some_and(|air| !is_below(&air.velocity, wind))

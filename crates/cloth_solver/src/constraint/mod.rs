@@ -17,11 +17,13 @@ pub use wear::Wear;
 
 use fearless_simd::dispatch;
 
+use crate::body::Body;
 use crate::lanes::LEVEL;
 use crate::method::Method;
 use crate::tick::{Effort, Substep, Tick};
 use crate::topology::{Along, Change, Pieces};
 use crate::{ClothError, Fabric, Particles, Soa3, Topology, measure};
+use hold::pin::Towed;
 use hold::skin::SkinHold;
 use hold::tether::Tethers;
 use kernel::links::New;
@@ -38,6 +40,7 @@ pub struct Constraints {
     /// Hands on the cloth. Set them anew each tick or leave them.
     pub grabs: Vec<Grab>,
     pins: Pins,
+    towed: Towed,
     tethers: Option<Tethers>,
     skin: Option<Box<SkinHold>>,
     surface: Surface,
@@ -118,7 +121,30 @@ impl Constraints {
             particles.inverse_mass[pin.particle as usize] = 0.0;
         }
         self.pins = pins;
+        self.towed.retain(|_| false);
         Ok(())
+    }
+
+    /// Sets the bodies that the cloth pushes and pulls in this tick, and which of them each frame of the [`pins`](Self::pins) is fixed to:
+    /// after those frames. Methods that step forces pull no bodies, but push them.
+    pub fn set_bodies(
+        &mut self,
+        particles: &Particles,
+        bodies: impl IntoIterator<Item = Body>,
+        of_frame: impl IntoIterator<Item = Option<u32>>,
+    ) {
+        let towing = !self.method.steps_forces();
+        self.towed.begin(particles, &self.pins, bodies, of_frame.into_iter().filter(|_| towing));
+    }
+
+    /// The bodies of this tick, and what the cloth has done to them so far.
+    pub fn bodies(&self) -> &[Body] {
+        &self.towed.bodies
+    }
+
+    /// The same, to be pushed by contact.
+    pub fn bodies_mut(&mut self) -> &mut [Body] {
+        &mut self.towed.bodies
     }
 
     /// The pins.
@@ -163,6 +189,7 @@ impl Constraints {
     /// on, and are gone with them; tethers whose way along the cloth has become longer are gone.
     pub(crate) fn follow(&mut self, now: &Topology, change: &Change) {
         self.pins.pins.retain(|pin| !change.gone.contains(&pin.particle));
+        self.towed.retain(|pin| !change.gone.contains(&pin.particle));
         if let Some(skin) = &mut self.skin {
             skin.follow(change);
         }
@@ -239,6 +266,7 @@ impl Constraints {
         for pin in &self.pins.pins {
             particles.inverse_mass[pin.particle as usize] = 0.0;
         }
+        self.towed.take_hold(particles);
         for grab in &self.grabs {
             grab.take_hold(particles);
         }
@@ -247,6 +275,7 @@ impl Constraints {
     /// Moves pinned particles to where their frames are at the end of `sub`.
     pub(crate) fn apply_pins(&self, particles: &mut Particles, sub: &Substep) {
         self.pins.apply(particles, sub.end);
+        self.towed.predict(&self.pins, particles, sub);
         if let Some(skin) = &self.skin {
             skin.skin.move_pins(&self.pins.frames, particles, sub.end);
         }
@@ -318,12 +347,18 @@ impl Constraints {
         effort
     }
 
+    /// Moves the bodies on over a substep that was accepted, before positions and velocities are taken from it.
+    pub(crate) fn move_bodies(&mut self, particles: &mut Particles, sub: &Substep) {
+        self.towed.accept(&self.pins, particles, sub);
+    }
+
     /// Takes note of a substep that was accepted.
     pub(crate) fn accept(&mut self, particles: &mut Particles, sub: &Substep) {
         self.square = sub.square();
         for grab in &self.grabs {
             grab.let_go(particles);
         }
+        self.towed.let_go(particles);
         if let Some(skin) = &mut self.skin {
             skin.limit(&self.pins.frames, particles, sub);
         }
@@ -339,8 +374,11 @@ impl Constraints {
     /// Internal friction of the fabric over `dt`, s: once a tick, on the velocities.
     pub(crate) fn damp(&mut self, particles: &mut Particles, dt: f32) {
         if self.damping > 0.0 {
-            let (pieces, pins, bodies, rate) = (self.pieces.as_ref(), &self.pins, &mut self.bodies, self.damping);
-            dispatch!(*LEVEL, simd => rigid::damp(simd, particles, pieces, pins, bodies, rate, dt));
+            let (pieces, bodies, rate) = (self.pieces.as_ref(), &mut self.bodies, self.damping);
+            // A body that the cloth pulls gets what friction takes, and so friction must take no momentum.
+            let towed = &self.towed;
+            let held = |frame: u32| towed.body_of(frame).is_none();
+            dispatch!(*LEVEL, simd => rigid::damp(simd, particles, pieces, (&self.pins, held), bodies, rate, dt));
         }
     }
 

@@ -10,6 +10,7 @@
 //! creep.
 
 mod approach;
+mod body;
 mod cloth;
 mod contact_points;
 mod features;
@@ -35,10 +36,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
+use crate::body::Body;
 use crate::lanes::{LANES, LEVEL, Vec3x8, splat};
 use crate::tick::Substep;
 use crate::{Fabric, Motion, Particles, Soa3, Topology, measure};
 use approach::Arrival;
+use body::Exchange;
 use near::Near;
 use patch::Patch;
 use respond::Answer;
@@ -67,6 +70,10 @@ pub struct Contacts {
     /// The colliders of this tick, in the cloth's frame.
     #[cfg_attr(feature = "save", serde(skip))]
     pub colliders: Vec<Collider>,
+    /// The body that each of them is fixed to, among those of [`Constraints`](crate::constraint::Constraints::bodies): what cloth pushes.
+    /// Others nothing moves.
+    #[cfg_attr(feature = "save", serde(skip))]
+    pub bodies: Vec<Option<u32>>,
     /// What each of them met in the last tick.
     pub touches: Vec<Touch>,
     /// Contacts of particles, triangles and edges with colliders in the last substep.
@@ -83,6 +90,7 @@ pub struct Contacts {
     patch: Patch,
     /// 1 for slots that touched in this substep.
     touched: Vec<f32>,
+    exchange: Exchange,
     /// While the cloth leaves a solid that it was deep inside of.
     leaving: Option<Leaving>,
 }
@@ -187,6 +195,7 @@ impl Contacts {
         self.touches.clear();
         self.colliders.clear();
         self.colliders.extend(colliders);
+        self.bodies.clear();
     }
 }
 
@@ -212,8 +221,19 @@ fn span(topology: &Topology) -> f32 {
     topology.triangles.iter().map(square).fold(0.0, f32::max)
 }
 
-/// One substep's worth of contact of a cloth over `topology` with every collider, in their order.
+/// One substep's worth of contact of a cloth over `topology` with every collider, in their order. Nothing moves those.
 pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Contacts, sub: &Substep) {
+    collide_with(topology, particles, contacts, &mut [], sub);
+}
+
+/// The same; colliders that are fixed to one of the `bodies` ([`Contacts::bodies`]) are pushed.
+pub fn collide_with(
+    topology: &Topology,
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    bodies: &mut [Body],
+    sub: &Substep,
+) {
     (contacts.touching, contacts.deepest) = (0, 0.0);
     if contacts.colliders.is_empty() {
         return;
@@ -229,13 +249,18 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     let mut arrivals = std::mem::take(&mut contacts.arrivals);
     touched.resize(particles.slots(), 0.0);
     arrivals.resize_with(contacts.colliders.len(), Arrival::default);
+    let mut exchange = std::mem::take(&mut contacts.exchange);
     let mut arrives = false;
     let edge = contacts.edge;
     near.advance(particles, contacts.colliders.len());
     for (which, collider) in contacts.colliders.iter().enumerate() {
         let (shape, motion) = (&collider.shape, &collider.motion);
-        let mut poses =
-            if motion.from == motion.to { [motion.to; 2] } else { [sub.start, sub.end].map(|time| motion.at(time)) };
+        let body = contacts.bodies.get(which).copied().flatten().and_then(|body| bodies.get_mut(body as usize));
+        let mut poses = match &body {
+            Some(body) => body.poses(motion, [sub.start, sub.end]),
+            None if motion.from == motion.to => [motion.to; 2],
+            None => [sub.start, sub.end].map(|time| motion.at(time)),
+        };
         let arrival = &mut arrivals[which];
         let mut is_new = arrival.begin(shape, poses, edge);
         let sag = contacts.sag(shape);
@@ -257,6 +282,9 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
         });
         let is_slow = calm.is_some() && shape.mesh().is_none();
         let answer = Answer::new(collider, margin, offsets[1] - offsets[0], is_slow, sub.h);
+        if body.is_some() {
+            exchange.begin(particles);
+        }
         let mut found;
         if shape.mesh().is_some() || near.relative(particles, shape, poses, edge) > patch::longest_stage(shape) {
             let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
@@ -271,10 +299,12 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
             if is_sharp && gap < margin {
                 let part = near.part((topology, particles), which, shape, poses, [margin, edge], is_sharp);
                 let also = patch.touch((particles, &mut touched), part, shape, poses, &answer, sub.h);
-                found.touch.touching += also.touch.touching;
-                contacts.touches[which].add(&also.touch);
+                found.touch.join(&also.touch);
                 found.deepest = found.deepest.max(also.deepest);
             }
+        }
+        if let Some(body) = body.filter(|_| found.touch.touching > 0) {
+            exchange.settle(particles, body, sub.end, poses[1].position, &mut found.touch);
         }
         contacts.touches[which].add(&found.touch);
         contacts.touching += found.touch.touching;
@@ -285,6 +315,7 @@ pub fn collide(topology: &Topology, particles: &mut Particles, contacts: &mut Co
     }
     near.take_touched(&mut touched);
     (contacts.near, contacts.patch, contacts.touched, contacts.arrivals) = (near, patch, touched, arrivals);
+    contacts.exchange = exchange;
     let calm = if arrives { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }

@@ -17,6 +17,13 @@ pub struct Touch {
 }
 
 impl Touch {
+    /// Adds what happened in the same substep.
+    pub(super) fn join(&mut self, more: &Self) {
+        let touching = self.touching + more.touching;
+        self.add(more);
+        self.touching = touching;
+    }
+
     /// Adds what happened in a further substep.
     pub fn add(&mut self, substep: &Self) {
         self.touching = self.touching.max(substep.touching);

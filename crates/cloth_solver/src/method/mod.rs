@@ -93,6 +93,7 @@ pub fn solve(particles: &mut Particles, constraints: &mut Constraints, sub: &Sub
 
 /// Third part: positions and velocities at the end of the substep.
 pub fn accept(particles: &mut Particles, constraints: &mut Constraints, sub: &Substep) {
+    constraints.move_bodies(particles, sub);
     if constraints.method().steps_forces() {
         explicit::step(particles, constraints, sub);
     } else {

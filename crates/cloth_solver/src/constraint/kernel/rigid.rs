@@ -118,7 +118,7 @@ pub(in crate::constraint) fn damp<S: Simd>(
     _: S,
     particles: &mut Particles,
     pieces: Option<&Pieces>,
-    pins: &Pins,
+    (pins, is_held): (&Pins, impl Fn(u32) -> bool),
     bodies: &mut Vec<Body>,
     rate: f32,
     dt: f32,
@@ -126,7 +126,7 @@ pub(in crate::constraint) fn damp<S: Simd>(
     let Particles { position: x, velocity: v, mass, inverse_mass, .. } = particles;
     bodies.clear();
     bodies.resize(pieces.map_or(1, |pieces| pieces.triangles.len()), Body::default());
-    for pin in &pins.pins {
+    for pin in pins.pins.iter().filter(|pin| is_held(pin.frame)) {
         let piece = pieces.map_or(0, |pieces| pieces.of_slot[pin.particle as usize] as usize);
         let (Some(body), Some(frame)) = (bodies.get_mut(piece), pins.frames.get(pin.frame as usize)) else { continue };
         let (drift, spin) = motion(frame, f64::from(dt));

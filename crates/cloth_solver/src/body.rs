@@ -21,6 +21,9 @@ pub struct Body {
     coupling: Mat3,
     /// Where its centre of mass is at the start and at the end of the tick without cloth, m.
     pub center: [Vec3; 2],
+    /// The acceleration that its engine gave it evenly over the tick (gravity), times the square of the tick, m: without cloth its way is
+    /// that of a thrown ball, and not the straight line between where the engine puts it. Default 0.
+    pub bend: Vec3,
     /// What the cloth did to it since the tick began.
     pub push: Push,
     /// Where the push had taken it when the substep at hand began: shift (m) and turn.
@@ -66,7 +69,7 @@ impl Body {
     /// A body whose centre of mass goes from one place to the other in this tick, m.
     pub fn new(inverse_mass: Mat3, inverse_inertia: Mat3, center: [Vec3; 2]) -> Self {
         let (coupling, push, before) = (Mat3::ZERO, Push::default(), (Vec3::ZERO, Quat::IDENTITY));
-        Self { inverse_mass, inverse_inertia, coupling, center, push, before }
+        Self { inverse_mass, inverse_inertia, coupling, center, bend: Vec3::ZERO, push, before }
     }
 
     /// A body of so much mass (kg) and so much inertia about its centre of mass (kg m²) that goes from one place to the other.
@@ -112,7 +115,12 @@ impl Body {
     /// Where the centre of mass is at the part `t` of the tick, when the substep at hand began or at its end, m.
     pub fn center_at(&self, t: f32) -> Vec3 {
         let [from, to] = self.center;
-        from.lerp(to, t) + self.push.shift
+        from.lerp(to, t) + self.off_line(t) + self.push.shift
+    }
+
+    /// How far a thrown ball is off the straight line at the part `t` of the tick, m.
+    fn off_line(&self, t: f32) -> Vec3 {
+        self.bend * (-0.5 * t * (1.0 - t))
     }
 
     /// Where something fixed to it is that would be at `pose` at the part `t` of the tick, as the push has taken it.
@@ -121,6 +129,7 @@ impl Body {
     }
 
     fn carried(&self, pose: Pose, t: f32, (shift, turn): (Vec3, Quat)) -> Pose {
+        let shift = shift + self.off_line(t);
         if shift == Vec3::ZERO && turn == Quat::IDENTITY {
             return pose;
         }

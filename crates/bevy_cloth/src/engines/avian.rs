@@ -66,13 +66,14 @@ type Source<'a> = (
     &'a ComputedAngularInertia,
     &'a ComputedCenterOfMass,
     Option<&'a LockedAxes>,
+    Option<&'a GravityScale>,
     Has<RigidBodyDisabled>,
     Option<&'a mut ClothBody>,
 );
 
 /// Gives every dynamic body a [`ClothBody`].
-fn read(mut bodies: Query<Source>, mut commands: Commands) {
-    for (entity, kind, mass, inertia, center, locked, is_disabled, body) in &mut bodies {
+fn read(mut bodies: Query<Source>, gravity: Res<Gravity>, mut commands: Commands) {
+    for (entity, kind, mass, inertia, center, locked, scale, is_disabled, body) in &mut bodies {
         if !kind.is_dynamic() || is_disabled || mass.inverse() <= 0.0 {
             if body.is_some() {
                 commands.entity(entity).try_remove::<(ClothBody, ClothPush)>();
@@ -84,6 +85,7 @@ fn read(mut bodies: Query<Source>, mut commands: Commands) {
             mass: mass.value(),
             center_of_mass: center.0,
             inverse_inertia: Mat3::from(inertia.inverse()),
+            acceleration: gravity.0 * scale.map_or(1.0, |scale| scale.0),
             locked_translation: BVec3::new(
                 locked.is_translation_x_locked(),
                 locked.is_translation_y_locked(),

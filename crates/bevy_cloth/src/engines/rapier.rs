@@ -66,15 +66,18 @@ type Source<'a> = (
     Option<(&'a RapierRigidBodyHandle, &'a RapierContextEntityLink)>,
     Has<Velocity>,
     Option<&'a LockedAxes>,
+    Option<&'a GravityScale>,
     Has<RigidBodyDisabled>,
     Option<&'a mut ClothBody>,
 );
 
 /// Gives every dynamic body a [`ClothBody`], and a `Velocity` to be changed by.
-fn read(mut bodies: Query<Source>, sets: Query<&RapierRigidBodySet>, mut commands: Commands) {
-    for (entity, kind, known, has_velocity, locked, is_disabled, body) in &mut bodies {
+fn read(mut bodies: Query<Source>, sets: Query<(&RapierRigidBodySet, &RapierConfiguration)>, mut commands: Commands) {
+    for (entity, kind, known, has_velocity, locked, scale, is_disabled, body) in &mut bodies {
         let known = known.filter(|_| *kind == RigidBody::Dynamic && !is_disabled);
-        let known = known.and_then(|(handle, set)| sets.get(set.0).ok()?.bodies.get(handle.0));
+        let set = known.and_then(|(_, set)| sets.get(set.0).ok());
+        let gravity = set.map_or(Vec3::ZERO, |(_, all)| all.gravity);
+        let known = known.zip(set).and_then(|((handle, _), (set, _))| set.bodies.get(handle.0));
         let mass = known.map(|known| &known.mass_properties().local_mprops).filter(|mass| mass.inv_mass > 0.0);
         let Some(mass) = mass else {
             if body.is_some() {
@@ -91,6 +94,7 @@ fn read(mut bodies: Query<Source>, sets: Query<&RapierRigidBodySet>, mut command
             mass: 1.0 / mass.inv_mass,
             center_of_mass: mass.local_com,
             inverse_inertia: own * Mat3::from_diagonal(mass.inv_principal_inertia) * own.transpose(),
+            acceleration: gravity * scale.map_or(1.0, |scale| scale.0),
             locked_translation: BVec3::new(
                 locked.contains(LockedAxes::TRANSLATION_LOCKED_X),
                 locked.contains(LockedAxes::TRANSLATION_LOCKED_Y),

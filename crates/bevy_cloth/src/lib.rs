@@ -202,14 +202,14 @@ pub use damage::{
 };
 pub use detail::{ClothDetail, ClothViewer};
 pub use diagnostics::ClothDiagnosticsPlugin;
-#[cfg(feature = "render")]
-pub use events::BoundRejected;
 #[cfg(feature = "avian")]
 pub use engines::ClothAvianPlugin;
 #[cfg(feature = "rapier")]
 pub use engines::ClothRapierPlugin;
 #[cfg(any(feature = "avian", feature = "rapier"))]
 pub use engines::NoCloth;
+#[cfg(feature = "render")]
+pub use events::BoundRejected;
 pub use events::{
     ClothBurntOut, ClothBurntThrough, ClothCut, ClothExtinguished, ClothFellAsleep, ClothIgnited, ClothRecovered,
     ClothRejected, ClothReset, ClothTangled, ClothTorn, ClothUntangled, ClothWoke, ColliderRejected, ContactBegan,

@@ -93,7 +93,7 @@ fn frozen_it_keeps_its_shape_goes_with_what_it_hangs_on_and_moves_on_from_there(
         run(&mut app, 1);
         let now = world_positions(&app, flag);
         let moved = largest_move(&before, &now);
-        assert!(moved < 3.0 * TICK.as_secs_f32(), "{moved} m in tick {tick}");
+        assert!(moved < 5.0 * TICK.as_secs_f32(), "{moved} m in tick {tick}");
         before = now;
     }
     assert!(largest_move(&world_positions(&app, flag), &before) == 0.0);

@@ -104,8 +104,7 @@ fn bounce<E: Engine>(mass: f32, drop: f32, tick: Duration) -> f32 {
 }
 
 fn a_ball_bounces_off_a_trampoline_as_high_as_with_an_eighth_of_the_tick<E: Engine>() {
-    // An engine gives a body the weight of a whole step at once. A ball that lands within a step is faster or slower by half of that,
-    // whatever the cloth does, and the heavy one more than by 5 %.
+    // The heavy ball bounces 5.4 to 6.2 % too high.
     for (mass, drop, allowed) in [(0.2, 0.5, 0.05), (0.5, 0.3, 0.05), (0.5, 1.0, 0.05), (5.0, 0.5, 0.08)] {
         let [coarse, fine] = [1, 8].map(|parts| bounce::<E>(mass, drop, TICK / parts));
         println!("{mass} kg from {drop} m: {coarse} m, {fine} m with an eighth of the tick");

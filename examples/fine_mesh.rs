@@ -38,7 +38,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     let cloth = commands.spawn((
         Cloth::rectangle(SIZE, SIZE).with_cells(10, 10),
         Fabric::CANVAS,
-        (Pins::rods(3), Air::default(), Wind(Vec3::new(1.0, 0.0, 5.0))),
+        (Pins::rods(3), Air::default(), Wind(Vec3::new(0.5, 0.0, -2.0))),
         place,
     ));
     let cloth = cloth.id();
@@ -49,11 +49,11 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
         ClothCollider::Sphere { radius: 0.25 },
         Mesh3d(meshes.add(Sphere::new(0.25))),
         MeshMaterial3d(materials.add(Color::srgb(0.7, 0.3, 0.2))),
-        Transform::from_xyz(0.1, 0.85, 0.3),
+        Transform::from_xyz(0.1, 0.95, -0.2),
     ));
-    commands.spawn((Camera3d::default(), Transform::from_xyz(0.9, 1.3, -1.8).looking_at(Vec3::Y, Vec3::Y)));
+    commands.spawn((Camera3d::default(), Transform::from_xyz(0.8, 1.2, 1.5).looking_at(Vec3::Y * 1.15, Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
-        Transform::from_xyz(1.0, 3.0, -3.0).looking_at(Vec3::ZERO, Vec3::Y),
+        Transform::from_xyz(1.0, 3.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
     ));
 }

@@ -5,26 +5,10 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_cloth::*;
 
-fn mesh(app: &App, entity: Entity) -> &Mesh {
-    app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, entity).0).expect("it draws a mesh")
-}
-
-fn vectors(mesh: &Mesh, attribute: bevy::mesh::MeshVertexAttribute) -> Vec<Vec3> {
-    match mesh.attribute(attribute) {
-        Some(VertexAttributeValues::Float32x3(values)) => values.iter().map(|v| Vec3::from_array(*v)).collect(),
-        other => panic!("{attribute:?} is {other:?}"),
-    }
-}
-
 /// Where the vertices of a bound mesh are drawn in the world, m.
 fn drawn(app: &App, entity: Entity) -> Vec<Vec3> {
     let place = get::<Transform>(app, entity).compute_affine();
-    vectors(mesh(app, entity), Mesh::ATTRIBUTE_POSITION).iter().map(|p| place.transform_point3(*p)).collect()
-}
-
-fn triangles(app: &App, entity: Entity) -> Vec<[usize; 3]> {
-    let indices: Vec<usize> = mesh(app, entity).indices().expect("indices").iter().collect();
-    indices.as_chunks().0.to_vec()
+    vectors(app, entity, Mesh::ATTRIBUTE_POSITION).iter().map(|p| place.transform_point3(*p)).collect()
 }
 
 /// A plate 1 m wide and high with a thickness of 2 cm, so that it has vertices before the cloth and behind it.
@@ -36,6 +20,13 @@ fn plate(parts: u32) -> Mesh {
     let mut plate = side(0.01);
     plate.merge(&side(-0.01)).expect("both have the same attributes");
     plate
+}
+
+/// Where its vertices are as authored, m.
+fn authored(parts: u32) -> Vec<Vec3> {
+    let plate = plate(parts);
+    let Some(VertexAttributeValues::Float32x3(values)) = plate.attribute(Mesh::ATTRIBUTE_POSITION) else { panic!() };
+    values.iter().map(|v| Vec3::from_array(*v)).collect()
 }
 
 /// A cloth of `cells`, and a plate of `parts` that is bound to it, its entity placed by `place`.
@@ -64,13 +55,13 @@ fn at_rest_it_is_as_it_was_authored_wherever_its_entity_is() {
         Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::new(2.0, 0.5, 4.0)),
     ] {
         let (mut app, cloth, fine) = scene(5, 17, place, everywhere());
-        let normals = vectors(mesh(&app, fine), Mesh::ATTRIBUTE_NORMAL);
+        let normals = vectors(&app, fine, Mesh::ATTRIBUTE_NORMAL);
         run(&mut app, 3);
         assert!(app.world().get::<Mesh3d>(cloth).is_none(), "the cloth draws no mesh of its own");
-        let authored = vectors(&plate(17), Mesh::ATTRIBUTE_POSITION);
-        let error = largest(drawn(&app, fine).iter().zip(&authored).map(|(now, then)| now.distance(*then)));
+        let rest = authored(17);
+        let error = largest(drawn(&app, fine).iter().zip(&rest).map(|(now, then)| now.distance(*then)));
         assert!(error < 2e-6, "{error} m away, placed by {place:?}");
-        let turned = vectors(mesh(&app, fine), Mesh::ATTRIBUTE_NORMAL);
+        let turned = vectors(&app, fine, Mesh::ATTRIBUTE_NORMAL);
         let error = largest(turned.iter().zip(&normals).map(|(now, then)| now.distance(*then)));
         assert!(error < 1e-5, "normals differ by {error}, placed by {place:?}");
     }
@@ -83,9 +74,8 @@ fn it_turns_with_the_cloth_as_a_rigid_body() {
     let to = Transform::from_xyz(0.2, 0.1, -0.1).with_rotation(Quat::from_rotation_y(1.2) * Quat::from_rotation_x(0.4));
     app.world_mut().entity_mut(cloth).insert((to, Teleport { policy: TeleportPolicy::CarryAlong, ..default() }));
     run(&mut app, 30);
-    let authored = vectors(&plate(9), Mesh::ATTRIBUTE_POSITION);
-    let error =
-        largest(drawn(&app, fine).iter().zip(&authored).map(|(now, then)| now.distance(to.transform_point(*then))));
+    let rest = authored(9);
+    let error = largest(drawn(&app, fine).iter().zip(&rest).map(|(now, then)| now.distance(to.transform_point(*then))));
     assert!(error < 1e-5, "{error} m away");
 }
 
@@ -99,8 +89,8 @@ fn it_follows_the_cloth_as_near_as_the_cloth_follows_itself() {
         run(&mut app, 10);
         let shown = get::<ShownShape>(&app, cloth).positions().to_vec();
         let topology = get::<ClothTopology>(&app, cloth);
-        let authored = vectors(&plate(8), Mesh::ATTRIBUTE_POSITION);
-        for (now, then) in drawn(&app, fine).iter().zip(&authored) {
+        let rest = authored(8);
+        for (now, then) in drawn(&app, fine).iter().zip(&rest) {
             let on = topology
                 .particles()
                 .find(|slot| topology.rest[*slot as usize].truncate().distance(then.truncate()) < 1e-4);
@@ -162,7 +152,7 @@ fn its_own_mesh_is_not_changed_and_comes_back() {
     for despawn in [false, true] {
         let (mut app, cloth, fine) = scene(4, 9, Transform::IDENTITY, Pins::top());
         let own = get::<Mesh3d>(&app, fine).clone();
-        let before = vectors(mesh(&app, fine), Mesh::ATTRIBUTE_POSITION);
+        let before = vectors(&app, fine, Mesh::ATTRIBUTE_POSITION);
         run(&mut app, 30);
         assert_ne!(*get::<Mesh3d>(&app, fine), own, "a copy is drawn");
         if despawn {
@@ -172,7 +162,7 @@ fn its_own_mesh_is_not_changed_and_comes_back() {
         }
         run(&mut app, 2);
         assert_eq!(*get::<Mesh3d>(&app, fine), own);
-        assert_eq!(vectors(mesh(&app, fine), Mesh::ATTRIBUTE_POSITION), before);
+        assert_eq!(vectors(&app, fine, Mesh::ATTRIBUTE_POSITION), before);
         if !despawn {
             assert!(app.world().get::<Mesh3d>(cloth).is_some(), "the cloth is drawn again");
         }

@@ -17,17 +17,6 @@ fn drawn(more: impl Bundle) -> (App, Entity) {
     (app, cloth)
 }
 
-fn mesh(app: &App, cloth: Entity) -> &Mesh {
-    app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, cloth).0).expect("the cloth draws a mesh")
-}
-
-fn vectors(app: &App, cloth: Entity, attribute: bevy::mesh::MeshVertexAttribute) -> Vec<Vec3> {
-    match mesh(app, cloth).attribute(attribute) {
-        Some(VertexAttributeValues::Float32x3(values)) => values.iter().map(|v| Vec3::from_array(*v)).collect(),
-        other => panic!("{attribute:?} is {other:?}"),
-    }
-}
-
 fn colors(app: &App, cloth: Entity) -> Vec<[f32; 4]> {
     match mesh(app, cloth).attribute(Mesh::ATTRIBUTE_COLOR) {
         Some(VertexAttributeValues::Float32x4(values)) => values.clone(),

@@ -17,10 +17,6 @@ fn drawn(more: impl Bundle) -> (App, Entity) {
     (app, cloth)
 }
 
-fn mesh(app: &App, cloth: Entity) -> &Mesh {
-    app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, cloth).0).expect("the cloth draws a mesh")
-}
-
 fn colors(app: &App, cloth: Entity) -> Vec<[f32; 4]> {
     match mesh(app, cloth).attribute(Mesh::ATTRIBUTE_COLOR) {
         Some(VertexAttributeValues::Float32x4(values)) => values.clone(),

@@ -5,22 +5,6 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_cloth::*;
 
-fn mesh(app: &App, cloth: Entity) -> &Mesh {
-    app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, cloth).0).expect("the cloth draws a mesh")
-}
-
-fn vectors(app: &App, cloth: Entity, attribute: bevy::mesh::MeshVertexAttribute) -> Vec<Vec3> {
-    match mesh(app, cloth).attribute(attribute) {
-        Some(VertexAttributeValues::Float32x3(values)) => values.iter().map(|v| Vec3::from_array(*v)).collect(),
-        other => panic!("{attribute:?} is {other:?}"),
-    }
-}
-
-fn triangles(app: &App, cloth: Entity) -> Vec<[usize; 3]> {
-    let indices: Vec<usize> = mesh(app, cloth).indices().expect("indices").iter().collect();
-    indices.chunks(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect()
-}
-
 fn hung(more: impl Bundle) -> (App, Entity) {
     let mut app = with_meshes();
     let cloth = app.world_mut().spawn((Cloth::rectangle(1.0, 1.0).with_cells(4, 4), Pins::top())).insert(more).id();

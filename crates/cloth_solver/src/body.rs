@@ -32,7 +32,7 @@ pub struct Body {
 
 /// What cloth did to a body in one tick.
 #[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Push {
     /// Velocity of the centre of mass that it gained, m/s.
     pub velocity: Vec3,
@@ -48,21 +48,6 @@ pub struct Push {
     pub moment: Vec3,
     /// Whether the cloth touched or pulled it.
     pub touched: bool,
-}
-
-impl Default for Push {
-    fn default() -> Self {
-        let zero = Vec3::ZERO;
-        Self {
-            velocity: zero,
-            spin: zero,
-            shift: zero,
-            turn: Quat::IDENTITY,
-            impulse: zero,
-            moment: zero,
-            touched: false,
-        }
-    }
 }
 
 impl Body {

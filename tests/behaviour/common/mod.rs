@@ -7,6 +7,7 @@ pub mod wearer;
 use std::time::Duration;
 
 use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
+use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::picking::pointer::{Location, PointerAction, PointerId, PointerInput};
 use bevy::picking::{InteractionPlugin, PickingPlugin};
 use bevy::prelude::*;
@@ -86,6 +87,25 @@ impl std::fmt::Debug for Bits {
 /// Every bit of a cloth's positions and velocities.
 pub fn bits(app: &App, cloth: Entity) -> Bits {
     Bits::of(get::<Particles>(app, cloth))
+}
+
+/// The mesh that an entity draws.
+pub fn mesh(app: &App, entity: Entity) -> &Mesh {
+    app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, entity).0).expect("it draws a mesh")
+}
+
+/// An attribute of the mesh that an entity draws, one vector for each vertex.
+pub fn vectors(app: &App, entity: Entity, attribute: MeshVertexAttribute) -> Vec<Vec3> {
+    match mesh(app, entity).attribute(attribute) {
+        Some(VertexAttributeValues::Float32x3(values)) => values.iter().map(|v| Vec3::from_array(*v)).collect(),
+        other => panic!("{attribute:?} is {other:?}"),
+    }
+}
+
+/// The vertices of each triangle that an entity draws.
+pub fn triangles(app: &App, entity: Entity) -> Vec<[usize; 3]> {
+    let indices: Vec<usize> = mesh(app, entity).indices().expect("indices").iter().collect();
+    indices.as_chunks().0.to_vec()
 }
 
 /// The present positions of all particles, in the world, m.

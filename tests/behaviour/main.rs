@@ -32,6 +32,7 @@ mod gltf;
 mod grab;
 mod late_mesh;
 mod look;
+mod many;
 mod meshes;
 mod method;
 mod moving_frame;

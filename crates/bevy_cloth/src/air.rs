@@ -129,15 +129,6 @@ pub(crate) fn sample(
     }
 }
 
-/// Lets the air act on every cloth that has [`Air`].
-pub(crate) fn blow(mut cloths: Query<(&mut Particles, &ClothTopology, &Air, &StepPlan), Without<ClothAsleep>>) {
-    for (mut particles, topology, air, plan) in &mut cloths {
-        if let Some(sub) = plan.substep {
-            air.blow(topology, &mut particles, &sub);
-        }
-    }
-}
-
 /// Takes the air off a cloth that has no [`Air`] any more.
 pub(crate) fn on_air_removed(removed: On<Remove, Air>, mut cloths: Query<&mut Particles>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<Surroundings>();

@@ -10,8 +10,9 @@ use cloth_solver::contact::Contacts;
 use cloth_solver::{Particles, measure};
 
 use crate::cloth::ClothTopology;
-use crate::schedule::{ClothSchedule, ClothSubstepSchedule, ClothSystems};
+use crate::schedule::{ClothSchedule, ClothSystems};
 use crate::sleep::ClothAsleep;
+use crate::substeps::SubstepTimes;
 
 /// Measures, once a frame, how long each phase of the ticks of that frame took, and counts particles, constraints and
 /// contacts of all clothes. Not part of [`ClothPlugin`](crate::ClothPlugin): without it nothing is measured.
@@ -27,11 +28,12 @@ impl ClothDiagnosticsPlugin {
     pub const FORCES: DiagnosticPath = DiagnosticPath::const_new("cloth/forces_ms");
     /// Time in [`ClothSystems::Substep`], ms per frame: the next three and the loop around them.
     pub const SUBSTEP: DiagnosticPath = DiagnosticPath::const_new("cloth/substep_ms");
-    /// Time in [`ClothSystems::Integrate`], ms per frame.
+    /// Time in the plugin's part of [`ClothSystems::Integrate`], ms per frame. Where cloths take their substeps on several threads at once
+    /// this and the next two are shares of the time that passed.
     pub const INTEGRATE: DiagnosticPath = DiagnosticPath::const_new("cloth/integrate_ms");
-    /// Time in [`ClothSystems::Solve`], ms per frame.
+    /// Time in the plugin's part of [`ClothSystems::Solve`], ms per frame.
     pub const SOLVE: DiagnosticPath = DiagnosticPath::const_new("cloth/solve_ms");
-    /// Time in [`ClothSystems::Collide`], ms per frame.
+    /// Time in the plugin's part of [`ClothSystems::Collide`], ms per frame.
     pub const COLLIDE: DiagnosticPath = DiagnosticPath::const_new("cloth/collide_ms");
     /// Time in [`ClothSystems::Tear`], ms per frame.
     pub const TEAR: DiagnosticPath = DiagnosticPath::const_new("cloth/tear_ms");
@@ -54,7 +56,7 @@ impl ClothDiagnosticsPlugin {
     pub const LARGEST_STRAIN: DiagnosticPath = DiagnosticPath::const_new("cloth/largest_strain");
 }
 
-/// The phases of a tick and of a substep, and the diagnostic of each.
+/// The phases of a tick, and the diagnostic of each.
 const TICK: [(ClothSystems, &DiagnosticPath); 6] = [
     (ClothSystems::Prepare, &ClothDiagnosticsPlugin::PREPARE),
     (ClothSystems::Forces, &ClothDiagnosticsPlugin::FORCES),
@@ -63,11 +65,9 @@ const TICK: [(ClothSystems, &DiagnosticPath); 6] = [
     (ClothSystems::Burn, &ClothDiagnosticsPlugin::BURN),
     (ClothSystems::Writeback, &ClothDiagnosticsPlugin::WRITEBACK),
 ];
-const SUBSTEP: [(ClothSystems, &DiagnosticPath); 3] = [
-    (ClothSystems::Integrate, &ClothDiagnosticsPlugin::INTEGRATE),
-    (ClothSystems::Solve, &ClothDiagnosticsPlugin::SOLVE),
-    (ClothSystems::Collide, &ClothDiagnosticsPlugin::COLLIDE),
-];
+/// The diagnostics of the phases of a substep.
+const SUBSTEP: [&DiagnosticPath; 3] =
+    [&ClothDiagnosticsPlugin::INTEGRATE, &ClothDiagnosticsPlugin::SOLVE, &ClothDiagnosticsPlugin::COLLIDE];
 
 /// A stopwatch over the phases of one schedule: laps between them, summed over a frame.
 struct Stopwatch<const PHASES: usize> {
@@ -101,9 +101,6 @@ impl<const PHASES: usize> Stopwatch<PHASES> {
 struct TickWatch(Stopwatch<{ TICK.len() }>);
 
 #[derive(Resource)]
-struct SubstepWatch(Stopwatch<{ SUBSTEP.len() }>);
-
-#[derive(Resource)]
 struct DrawWatch(Stopwatch<1>);
 
 /// Orders the laps of one schedule among themselves.
@@ -113,11 +110,10 @@ struct Lap(usize);
 impl Plugin for ClothDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(TickWatch(Stopwatch::NEW))
-            .insert_resource(SubstepWatch(Stopwatch::NEW))
+            .init_resource::<SubstepTimes>()
             .insert_resource(DrawWatch(Stopwatch::NEW))
             .register_diagnostic(Diagnostic::new(Self::DRAW).with_suffix(" ms"))
             .add_systems(ClothSchedule, (|mut watch: ResMut<TickWatch>| watch.0.start()).before(TICK[0].0))
-            .add_systems(ClothSubstepSchedule, (|mut watch: ResMut<SubstepWatch>| watch.0.start()).before(SUBSTEP[0].0))
             .add_systems(
                 PostUpdate,
                 (
@@ -131,12 +127,10 @@ impl Plugin for ClothDiagnosticsPlugin {
         for (index, (phase, path)) in TICK.into_iter().enumerate() {
             app.register_diagnostic(Diagnostic::new(path.clone()).with_suffix(" ms"));
             let lap = (move |mut watch: ResMut<TickWatch>| watch.0.lap(index)).in_set(Lap(index)).after(phase);
-            app.add_systems(ClothSchedule, before_next(lap, index, &TICK));
+            app.add_systems(ClothSchedule, before_next(lap, index));
         }
-        for (index, (phase, path)) in SUBSTEP.into_iter().enumerate() {
+        for path in SUBSTEP {
             app.register_diagnostic(Diagnostic::new(path.clone()).with_suffix(" ms"));
-            let lap = (move |mut watch: ResMut<SubstepWatch>| watch.0.lap(index)).in_set(Lap(index)).after(phase);
-            app.add_systems(ClothSubstepSchedule, before_next(lap, index, &SUBSTEP));
         }
         for path in [Self::PARTICLES, Self::CONSTRAINTS, Self::CONTACTS, Self::ASLEEP] {
             app.register_diagnostic(Diagnostic::new(path).with_smoothing_factor(0.0));
@@ -146,12 +140,8 @@ impl Plugin for ClothDiagnosticsPlugin {
 }
 
 /// Puts the lap that ends phase `index` before the next phase, and before the lap that ends that one.
-fn before_next(
-    lap: ScheduleConfigs<ScheduleSystem>,
-    index: usize,
-    phases: &[(ClothSystems, &DiagnosticPath)],
-) -> ScheduleConfigs<ScheduleSystem> {
-    match phases.get(index + 1) {
+fn before_next(lap: ScheduleConfigs<ScheduleSystem>, index: usize) -> ScheduleConfigs<ScheduleSystem> {
+    match TICK.get(index + 1) {
         Some((next, _)) => lap.before(*next).before(Lap(index + 1)),
         None => lap,
     }
@@ -161,14 +151,14 @@ fn before_next(
 fn tell(
     mut diagnostics: Diagnostics,
     mut tick: ResMut<TickWatch>,
-    mut substep: ResMut<SubstepWatch>,
+    mut substep: ResMut<SubstepTimes>,
     mut draw: ResMut<DrawWatch>,
     cloths: Query<(&ClothTopology, &Particles, &Constraints, &Contacts)>,
     asleep: Query<(), With<ClothAsleep>>,
 ) {
     if tick.0.lap.is_some() {
-        let seconds = tick.0.take().into_iter().chain(substep.0.take());
-        for ((_, path), seconds) in TICK.iter().chain(&SUBSTEP).zip(seconds) {
+        let seconds = tick.0.take().into_iter().chain(std::mem::take(&mut substep.0));
+        for (path, seconds) in TICK.iter().map(|(_, path)| *path).chain(SUBSTEP).zip(seconds) {
             diagnostics.add_measurement(path, || seconds * 1000.0);
         }
     }

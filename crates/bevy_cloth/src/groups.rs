@@ -16,6 +16,7 @@ use crate::cloth::{ClothFrame, ClothTopology};
 use crate::prepare::{StepPlan, relative};
 use crate::sleep::{ClothAsleep, WakeCause, wake_up};
 use crate::step::ClothTick;
+use crate::substeps::{self, SubstepTimes};
 
 /// The groups of this tick.
 #[derive(Resource, Clone, Debug, Default)]
@@ -199,6 +200,25 @@ impl Group {
     fn seen(&self, frame: &ClothFrame) -> Pose {
         relative(&self.frame, &frame.pose)
     }
+
+    fn collide(&mut self, cloths: &mut Members) {
+        let Self { members, contacts, .. } = self;
+        let sub = members.first().and_then(|first| cloths.get(*first).ok()?.2.substep);
+        let Some(sub) = sub else { return };
+        for (index, member) in members.iter().enumerate() {
+            if let Ok((particles, ..)) = cloths.get(*member) {
+                contacts.take(index, particles);
+            }
+        }
+        contacts.collide(&sub);
+        for (index, member) in members.iter().enumerate() {
+            let Ok((mut particles, mut own, _)) = cloths.get_mut(*member) else { continue };
+            contacts.give(index, &mut particles);
+            if sub.is_last() {
+                contacts.report(index, &mut own);
+            }
+        }
+    }
 }
 
 /// The sets of two and more cloths whose boxes are connected, each in ascending order.
@@ -234,26 +254,10 @@ pub(crate) fn accept(
     }
 }
 
+type Members<'w, 's> =
+    Query<'w, 's, (&'static mut Particles, &'static mut SelfContacts, &'static StepPlan), Without<ClothAsleep>>;
+
 /// Keeps the cloths of each group off one another and off themselves, after they were kept off colliders.
-pub(crate) fn collide(
-    mut cloths: Query<(&mut Particles, &mut SelfContacts, &StepPlan), Without<ClothAsleep>>,
-    mut groups: ResMut<Groups>,
-) {
-    for Group { members, contacts, .. } in &mut groups.0 {
-        let sub = members.first().and_then(|first| cloths.get(*first).ok()?.2.substep);
-        let Some(sub) = sub else { continue };
-        for (index, member) in members.iter().enumerate() {
-            if let Ok((particles, ..)) = cloths.get(*member) {
-                contacts.take(index, particles);
-            }
-        }
-        contacts.collide(&sub);
-        for (index, member) in members.iter().enumerate() {
-            let Ok((mut particles, mut own, _)) = cloths.get_mut(*member) else { continue };
-            contacts.give(index, &mut particles);
-            if sub.is_last() {
-                contacts.report(index, &mut own);
-            }
-        }
-    }
+pub(crate) fn collide(mut cloths: Members, mut groups: ResMut<Groups>, watch: Option<ResMut<SubstepTimes>>) {
+    substeps::measured(watch, 2, || groups.0.iter_mut().for_each(|group| group.collide(&mut cloths)));
 }

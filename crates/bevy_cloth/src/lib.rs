@@ -183,6 +183,7 @@ mod report;
 mod self_contact;
 mod shown;
 mod step;
+mod substeps;
 
 pub use air::Wind;
 pub use bodies::{ClothBody, ClothBodySystems, ClothPush};

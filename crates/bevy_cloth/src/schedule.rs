@@ -19,11 +19,12 @@ use crate::pins::Pins;
 use crate::settings::{Grabs, Gravity, Shared, Substeps};
 use crate::stats::ClothStats;
 use crate::step::ClothTick;
+use crate::substeps::OwnSubsteps;
 use crate::teleport::Teleport;
 use crate::weights::Weights;
 use crate::{
-    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, air, bodies, contact, contact_view, damage,
-    fault, groups, prepare, self_contact, shown, sleep, stats, step,
+    Air, ClothClock, Fabric, Fan, Gusts, Method, SelfContact, WindZone, bodies, contact, contact_view, damage, fault,
+    groups, prepare, self_contact, shown, sleep, stats, step, substeps,
 };
 
 /// Adds cloth to an app: everything this crate does but the diagnostics.
@@ -52,14 +53,19 @@ impl Default for ClothPlugin {
     }
 }
 
-/// One tick of all clothes. Runs zero or more times in the schedule given to [`ClothPlugin`], on one thread.
+/// One tick of all clothes. Runs zero or more times in the schedule given to [`ClothPlugin`]; its systems one after the other, some of them on
+/// several threads.
 ///
 /// Within it [`Time`] is the cloth clock: its delta is the length of a tick.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClothSchedule;
 
-/// One substep of all clothes. Runs in [`ClothSystems::Substep`] as often as the cloth with most substeps needs, on
-/// one thread.
+/// One substep of all clothes that take theirs together. Runs in [`ClothSystems::Substep`] as often as the cloth with most
+/// substeps needs, on one thread.
+///
+/// Cloths take them together where they may touch ([`SelfContact`]); all others go through their substeps one by one, on all threads of
+/// Bevy's compute task pool. Put a system into this schedule, or a condition on one of its sets, and all take them together, so that it
+/// sees each substep; the motion is the same, to the bit.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClothSubstepSchedule;
 
@@ -83,7 +89,7 @@ pub enum ClothSystems {
     /// Sets the accelerations and forces of this tick, and finds how the air moves. Systems that push cloth
     /// ([`Particles::add_force`](crate::Particles::add_force)) go here. In [`ClothSchedule`].
     Forces,
-    /// Runs [`ClothSubstepSchedule`]. In [`ClothSchedule`].
+    /// The substeps, see [`ClothSubstepSchedule`]. In [`ClothSchedule`].
     Substep,
     /// Lets the air act and predicts positions. In [`ClothSubstepSchedule`].
     Integrate,
@@ -163,21 +169,23 @@ fn add_schedules(app: &mut App, schedule: InternedScheduleLabel) {
         .configure_sets(ClothSchedule, (Prepare, Forces, Substep, Tear, Burn, Writeback).chain())
         .configure_sets(ClothSubstepSchedule, (Integrate, Solve, Collide).chain())
         .add_systems(schedule, step::advance.in_set(Advance).before(signal_message_update_system))
-        .add_systems(ClothSchedule, (step::hold_still, step::run_substeps).chain().in_set(Substep))
+        .add_systems(ClothSchedule, (step::hold_still, substeps::run).chain().in_set(Substep))
         .add_systems(
             ClothSchedule,
             (sleep::fall_asleep, fault::mend, self_contact::tell, stats::measure).chain().in_set(Writeback),
         )
-        .add_systems(
-            ClothSubstepSchedule,
-            (
-                (air::blow, step::integrate).chain().in_set(Integrate),
-                (step::solve, groups::accept).chain().in_set(Solve),
-                (step::collide, self_contact::collide, groups::collide).chain().in_set(Collide),
-            ),
-        )
         .configure_sets(PostUpdate, Draw.after(TransformSystems::Propagate))
         .add_systems(PostUpdate, clock::interpolate.in_set(Draw));
+    OwnSubsteps::add(app, |app| {
+        app.add_systems(
+            ClothSubstepSchedule,
+            (
+                substeps::integrate.in_set(Integrate),
+                (substeps::solve, groups::accept).chain().in_set(Solve),
+                (substeps::collide, groups::collide).chain().in_set(Collide),
+            ),
+        );
+    });
 }
 
 fn register_types(app: &mut App) {

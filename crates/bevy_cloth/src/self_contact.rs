@@ -1,10 +1,8 @@
-//! Contact of a cloth with itself: when it is looked at, and what is told of it.
+//! Contact of a cloth with itself: what is told of it.
 
 use bevy::prelude::*;
-use cloth_solver::Particles;
-use cloth_solver::contact::{self, Contacts, SelfContacts};
+use cloth_solver::contact::SelfContacts;
 
-use crate::cloth::ClothTopology;
 use crate::events::{ClothTangled, ClothUntangled};
 use crate::prepare::StepPlan;
 use crate::report::report;
@@ -14,17 +12,6 @@ use crate::sleep::ClothAsleep;
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Tangled;
-
-/// Keeps each cloth that has [`SelfContact`](crate::SelfContact) and steps alone off itself, after it was kept off colliders.
-pub(crate) fn collide(
-    mut cloths: Query<(&ClothTopology, &mut Particles, &Contacts, &mut SelfContacts, &StepPlan), Without<ClothAsleep>>,
-) {
-    for (topology, mut particles, contacts, mut own, plan) in &mut cloths {
-        if let Some(sub) = plan.substep.filter(|_| plan.group.is_none()) {
-            contact::collide_self(topology, &mut particles, contacts, &mut own, &sub);
-        }
-    }
-}
 
 /// Tells which cloths have begun or ceased in this tick to pass through themselves. One that nobody watches any more is not said
 /// to be tangled.

@@ -1,18 +1,14 @@
-//! The tick: the clock, the substep loop, and what is done after it.
+//! The tick: the clock, and what is done before its substeps.
 
 use std::time::Duration;
 
 use bevy::ecs::query::QueryState;
 use bevy::prelude::*;
 use cloth_solver::Particles;
-use cloth_solver::cloth::Constraints;
-use cloth_solver::contact::{self, Contacts};
-use cloth_solver::method;
 
 use crate::clock::{ClothClock, ClothTime, RunsInFixedLoop};
-use crate::cloth::ClothTopology;
 use crate::prepare::{MovedInPause, StepPlan};
-use crate::schedule::{ClothSchedule, ClothSubstepSchedule};
+use crate::schedule::ClothSchedule;
 use crate::settings::Grabs;
 use crate::sleep::ClothAsleep;
 
@@ -115,73 +111,5 @@ pub(crate) fn hold_still(mut cloths: Query<(&mut Particles, &StepPlan), Without<
 pub(crate) fn clear_forces(particles: &mut Particles) {
     if let Some(force) = &mut particles.force {
         force.fill(Vec3::ZERO);
-    }
-}
-
-/// Runs [`ClothSubstepSchedule`] until every cloth has come to the end of the tick.
-pub(crate) fn run_substeps(
-    world: &mut World,
-    plans: &mut QueryState<&mut StepPlan, Without<ClothAsleep>>,
-    cloths: &mut QueryState<(&mut StepPlan, &Particles, &Constraints, &Contacts), Without<ClothAsleep>>,
-) {
-    let dt = world.resource::<ClothTick>().dt;
-    for (mut plan, particles, constraints, contacts) in cloths.iter_mut(world) {
-        plan.begin(dt, particles, constraints, contacts);
-    }
-    // By group the most substeps that one of its cloths asks for.
-    let mut lefts: Vec<f32> = Vec::new();
-    let _ = world.try_schedule_scope(ClothSubstepSchedule, |world, schedule| {
-        loop {
-            let mut some_left = false;
-            lefts.clear();
-            for plan in plans.iter(world) {
-                let Some(group) = plan.group else { continue };
-                lefts.resize(lefts.len().max(group + 1), 1.0);
-                lefts[group] = plan.left().max(lefts[group]);
-            }
-            for mut plan in plans.iter_mut(world) {
-                let left = plan.group.map_or_else(|| plan.left(), |group| lefts[group]);
-                some_left |= plan.next(left);
-            }
-            if !some_left {
-                break;
-            }
-            schedule.run(world);
-        }
-    });
-}
-
-pub(crate) fn integrate(mut cloths: Query<(&mut Particles, &Constraints, &StepPlan), Without<ClothAsleep>>) {
-    for (mut particles, constraints, plan) in &mut cloths {
-        if let Some(sub) = plan.substep {
-            method::integrate(&mut particles, constraints, &sub);
-        }
-    }
-}
-
-/// Solves, and takes the substep unless it was too long. What steps together with others takes it together with them.
-pub(crate) fn solve(mut cloths: Query<(&mut Particles, &mut Constraints, &mut StepPlan), Without<ClothAsleep>>) {
-    for (mut particles, mut constraints, mut plan) in &mut cloths {
-        if let Some(sub) = plan.substep {
-            let effort = method::solve(&mut particles, &mut constraints, &sub);
-            if plan.group.is_some() {
-                plan.judge(&effort);
-            } else if plan.accepts(&effort) {
-                method::accept(&mut particles, &mut constraints, &sub);
-            }
-        }
-    }
-}
-
-pub(crate) fn collide(
-    mut cloths: Query<
-        (&ClothTopology, &mut Particles, &mut Constraints, &mut Contacts, &StepPlan),
-        Without<ClothAsleep>,
-    >,
-) {
-    for (topology, mut particles, mut constraints, mut contacts, plan) in &mut cloths {
-        if let Some(sub) = plan.substep.filter(|_| !contacts.colliders.is_empty()) {
-            contact::collide_with(topology, &mut particles, &mut contacts, constraints.bodies_mut(), &sub);
-        }
     }
 }

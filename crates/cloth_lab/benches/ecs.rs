@@ -15,7 +15,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_cloth::{
-    Air, Cloth as ClothComponent, ClothAsleep, ClothCollider, ClothPlugin, Gravity, Pins as ClothPins, Shared, Wind,
+    Air, Cloth as ClothComponent, ClothAsleep, ClothCollider, ClothPlugin, ClothSleep, Gravity, Pins as ClothPins, Shared,
+    Wind,
 };
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::forces::WindField;
@@ -68,6 +69,7 @@ fn with_cloth(criterion: &mut Criterion) {
     });
     let mut hung = app(|app| {
         app.add_plugins(ClothPlugin::default());
+        app.insert_resource(Shared(ClothSleep { enabled: false, ..ClothSleep::default() }));
         app.world_mut().spawn((ClothComponent::rectangle(1.0, 1.0).with_cells(SIDE - 1, SIDE - 1), ClothPins::top()));
     });
     criterion.bench_function("1024 particles/plugin", |bencher| bencher.iter(|| turn(&mut hung)));
@@ -118,8 +120,9 @@ impl Piece {
         let mut cloth = Cloth::new(topology.clone(), &Fabric::COTTON_POPLIN).expect("a preset");
         let corner = cloth.topology.rest[0];
         let is_held = |at: Vec3| if self.by_side { at.x == corner.x } else { at.y == corner.y };
-        let held = (0..).zip(&cloth.topology.rest).filter(|(_, at)| is_held(**at));
-        let pins = held.map(|(particle, at)| Pin { particle, frame: 0, local: *at }).collect();
+        let place = |particle: u32| cloth.topology.rest[particle as usize];
+        let held = cloth.topology.particles().filter(|particle| is_held(place(*particle)));
+        let pins = held.map(|particle| Pin { particle, frame: 0, local: place(particle) }).collect();
         let pins = Pins { frames: vec![Motion::default()], pins };
         cloth.constraints.set_pins(&mut cloth.particles, pins).expect("particles of the cloth");
         cloth.air = Some(Air::default());

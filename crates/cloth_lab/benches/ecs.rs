@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_cloth::{
-    Air, Cloth as ClothComponent, ClothAsleep, ClothCollider, ClothPlugin, ClothSleep, Gravity, Pins as ClothPins, Shared,
-    Wind,
+    Air, Cloth as ClothComponent, ClothAsleep, ClothCollider, ClothPlugin, ClothSleep, Gravity, Pins as ClothPins,
+    Shared, Wind,
 };
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::forces::WindField;

@@ -259,5 +259,5 @@ type Members<'w, 's> =
 
 /// Keeps the cloths of each group off one another and off themselves, after they were kept off colliders.
 pub(crate) fn collide(mut cloths: Members, mut groups: ResMut<Groups>, watch: Option<ResMut<SubstepTimes>>) {
-    substeps::measured(watch, 2, || groups.0.iter_mut().for_each(|group| group.collide(&mut cloths)));
+    substeps::measured(watch, substeps::COLLIDE, || groups.0.iter_mut().for_each(|group| group.collide(&mut cloths)));
 }

@@ -69,9 +69,9 @@ impl SteppingItem<'_, '_> {
             if !self.plan.next(left) {
                 return;
             }
-            times.measure(0, || self.integrate());
-            times.measure(1, || self.solve());
-            times.measure(2, || self.collide());
+            times.measure(INTEGRATE, || self.integrate());
+            times.measure(SOLVE, || self.solve());
+            times.measure(COLLIDE, || self.collide());
         }
     }
 
@@ -81,7 +81,12 @@ impl SteppingItem<'_, '_> {
     }
 }
 
-/// Time spent in [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), `Solve` and `Collide`, s.
+/// The phases of a substep, by their place in [`SubstepTimes`].
+const INTEGRATE: usize = 0;
+const SOLVE: usize = 1;
+pub(crate) const COLLIDE: usize = 2;
+
+/// Time spent in each of them, s.
 #[derive(Clone, Copy, Debug)]
 struct Times {
     seconds: [f64; 3],
@@ -108,31 +113,35 @@ pub(crate) struct SubstepTimes(pub [f64; 3]);
 pub(crate) struct OwnSubsteps {
     /// The number of its systems.
     systems: usize,
-    /// Somebody runs them only on a condition; known once the schedule runs.
-    conditions: Option<bool>,
+    /// Somebody runs them only on a condition.
+    conditions: bool,
 }
 
 impl OwnSubsteps {
     /// Adds them by `add`.
     pub fn add(app: &mut App, add: impl FnOnce(&mut App)) {
-        let count = |app: &App| app.get_schedule(ClothSubstepSchedule).map_or(0, Schedule::systems_len);
+        let count = |app: &App| app.get_schedule(ClothSubstepSchedule).map_or(0, systems_of);
         let before = count(app);
         add(app);
         let systems = count(app) - before;
-        app.insert_resource(Self { systems, conditions: None });
+        app.insert_resource(Self { systems, conditions: false });
     }
 
     /// Whether nobody but the plugin has a part in the substeps. Then nobody sees in which order cloths take them.
     fn are_all(world: &mut World) -> bool {
-        let Some(own) = world.get_resource::<Self>().copied() else { return false };
         let Some(schedule) = world.resource::<Schedules>().get(ClothSubstepSchedule) else { return false };
-        let conditions = own
-            .conditions
-            .unwrap_or_else(|| schedule.graph().system_sets.iter().any(|(_, _, conditions)| !conditions.is_empty()));
-        let are_all = !conditions && schedule.systems_len() == own.systems;
-        world.insert_resource(Self { conditions: Some(conditions), ..own });
-        are_all
+        let systems = systems_of(schedule);
+        // The schedule takes them out of its graph when it first runs.
+        let new = schedule.graph().system_sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
+        let Some(mut own) = world.get_resource_mut::<Self>() else { return false };
+        own.conditions |= new;
+        !own.conditions && systems == own.systems
     }
+}
+
+/// The number of systems of a schedule, those included that it has not yet made ready to run.
+fn systems_of(schedule: &Schedule) -> usize {
+    schedule.graph().systems.len()
 }
 
 /// Work that is shared out among threads takes at least so many substeps of a particle (about 25 ns each) a task: handing it over takes some 10 μs.
@@ -249,13 +258,13 @@ pub(crate) fn measured(watch: Watch, phase: usize, work: impl FnOnce()) {
 }
 
 pub(crate) fn integrate(mut cloths: Cloths, watch: Watch) {
-    measured(watch, 0, || cloths.iter_mut().for_each(|mut cloth| cloth.integrate()));
+    measured(watch, INTEGRATE, || cloths.iter_mut().for_each(|mut cloth| cloth.integrate()));
 }
 
 pub(crate) fn solve(mut cloths: Cloths, watch: Watch) {
-    measured(watch, 1, || cloths.iter_mut().for_each(|mut cloth| cloth.solve()));
+    measured(watch, SOLVE, || cloths.iter_mut().for_each(|mut cloth| cloth.solve()));
 }
 
 pub(crate) fn collide(mut cloths: Cloths, watch: Watch) {
-    measured(watch, 2, || cloths.iter_mut().for_each(|mut cloth| cloth.collide()));
+    measured(watch, COLLIDE, || cloths.iter_mut().for_each(|mut cloth| cloth.collide()));
 }

@@ -21,7 +21,7 @@ pub fn crossings(topology: &Topology, particles: &Particles) -> Vec<Passage> {
     let positions: Vec<Vec3A> = (0..topology.slots()).map(|slot| particles.position.get(slot).into()).collect();
     let points: Vec<Bounds> = positions.iter().map(|x| Bounds { min: *x, max: *x }).collect();
     let mut hierarchy = Hierarchy::new(topology);
-    hierarchy.refit(&points);
+    hierarchy.refit(topology, &points, false);
     passages(topology, &mut hierarchy, &positions)
 }
 
@@ -41,7 +41,7 @@ pub fn crossings_between(
     let points: Vec<Bounds> = positions.iter().map(|x| Bounds { min: *x, max: *x }).collect();
     let [one, other] = [first, second].map(Hierarchy::new);
     let mut hierarchy = Hierarchy::join([(&one, slots, triangles), (&other, 0, 0)]);
-    hierarchy.refit(&points);
+    hierarchy.refit(&both, &points, false);
     let mut found = [Vec::new(), Vec::new()];
     for Passage { edge, triangle } in passages(&both, &mut hierarchy, &positions) {
         match (edge[0] < slots, triangle < triangles) {
@@ -62,13 +62,11 @@ pub(crate) fn passages(topology: &Topology, hierarchy: &mut Hierarchy, positions
         })
         .collect();
     let mut found = Vec::new();
-    hierarchy.for_each_pair(|first, second| {
-        for &a in first {
-            for &b in second {
-                if bounds[a as usize].overlaps(&bounds[b as usize]) {
-                    passages_of(topology, positions, a, b, &mut found);
-                    passages_of(topology, positions, b, a, &mut found);
-                }
+    hierarchy.for_each_pair(false, |_, a, others| {
+        for &b in others {
+            if bounds[a as usize].overlaps(&bounds[b as usize]) {
+                passages_of(topology, positions, a, b, &mut found);
+                passages_of(topology, positions, b, a, &mut found);
             }
         }
     });

@@ -1,5 +1,7 @@
 //! Pairs of features that may come near each other.
 
+use std::ops::Range;
+
 use glam::Vec3A;
 
 use super::features::{Features, Owned, side};
@@ -32,6 +34,10 @@ pub(super) struct Pair {
     pub limit: f32,
     /// How far each particle had gone since the search when `limit` was set, m.
     pub path: [f32; 4],
+    /// How far its two patches have to have gone together before it needs to be looked at, m.
+    pub due: f32,
+    /// Whether it may come too near in the substep at hand.
+    pub is_near: bool,
     /// Which corners and sides of the triangle it speaks for.
     owned: Owned,
 }
@@ -74,8 +80,12 @@ impl Pair {
 pub(super) struct Expected {
     /// In the substep at hand.
     pub now: Vec3A,
-    /// Until the next search, that substep included.
+    /// Until its path ends, that substep included.
     pub later: Vec3A,
+    /// Along its path, m/s.
+    pub velocity: Vec3A,
+    /// When that ends, s.
+    pub until: f32,
     /// How far it may be off that.
     pub reach: f32,
 }
@@ -84,16 +94,47 @@ impl Expected {
     /// By how much two particles may come nearer to each other.
     #[inline(always)]
     fn approach(&self, other: &Self) -> f32 {
-        let [now, later] = [self.now - other.now, self.later - other.later].map(|way| way.length_squared());
-        now.max(later).sqrt() + self.reach + other.reach
+        let (now, later) = (self.now - other.now, self.later - other.later);
+        let mut farthest = now.length_squared().max(later.length_squared());
+        if self.until != other.until {
+            // Where the first of both paths ends.
+            let (longer, left) = (self.until > other.until, self.until - other.until);
+            let between = later - if longer { self.velocity } else { other.velocity } * left;
+            farthest = farthest.max(between.length_squared());
+        }
+        farthest.sqrt() + self.reach + other.reach
     }
 }
 
-/// All pairs found by the last search.
+/// Pairs between the same two patches, which follow on one another.
+#[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    pub patches: [u32; 2],
+    /// The indices of the first pair and of the one after the last.
+    begin: u32,
+    end: u32,
+    /// The least [`Pair::due`] of those that are not near, and of those that are.
+    pub others: f32,
+    pub near: f32,
+}
+
+impl Run {
+    /// The indices of its pairs.
+    pub fn range(&self) -> Range<usize> {
+        self.begin as usize..self.end as usize
+    }
+}
+
+/// All pairs found so far that may still come near each other.
 #[cfg_attr(feature = "save", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Debug)]
 pub(super) struct Pairs {
+    /// With some that are forgotten between the runs.
     pub all: Vec<Pair>,
+    pub runs: Vec<Run>,
+    /// How many are not forgotten.
+    count: usize,
     pub is_bounded: bool,
     expected: Vec<Expected>,
     features: Features,
@@ -102,7 +143,7 @@ pub(super) struct Pairs {
 impl Pairs {
     pub fn new(features: Features) -> Self {
         let expected = vec![Expected::default(); features.slots()];
-        Self { all: Vec::new(), is_bounded: false, expected, features }
+        Self { all: Vec::new(), runs: Vec::new(), count: 0, is_bounded: false, expected, features }
     }
 
     /// The features that are paired.
@@ -111,11 +152,15 @@ impl Pairs {
     }
 
     pub fn len(&self) -> usize {
-        self.all.len()
+        self.count
     }
 
     pub fn is_empty(&self) -> bool {
-        self.all.is_empty()
+        self.count == 0
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Pair> {
+        self.runs.iter().flat_map(|run| &self.all[run.range()])
     }
 
     /// Sets how particle `slot` is expected to move until the next search.
@@ -123,7 +168,24 @@ impl Pairs {
         self.expected[slot] = expected;
     }
 
-    /// Finds the pairs within `bounds`; `starts` is where particles are now.
+    /// Forgets the pairs of marked patches, or all.
+    fn forget(&mut self, hierarchy: &Hierarchy, of_marked: bool) {
+        let Self { all, runs, count, .. } = self;
+        runs.retain(|run| of_marked && !hierarchy.is_marked(run.patches));
+        *count = runs.iter().map(|run| run.range().len()).sum();
+        if *count <= all.len() / 2 {
+            let mut kept = 0;
+            for run in runs {
+                let range = run.range();
+                (run.begin, run.end) = (kept as u32, (kept + range.len()) as u32);
+                all.copy_within(range, kept);
+                kept = run.end as usize;
+            }
+            all.truncate(kept);
+        }
+    }
+
+    /// Finds the pairs within `bounds`, or those of marked patches; `starts` is where particles are now.
     pub fn find(
         &mut self,
         topology: &Topology,
@@ -132,55 +194,64 @@ impl Pairs {
         bounds: &[Bounds],
         starts: &[Vec3A],
         tangle: &Tangle,
+        of_marked: bool,
     ) {
-        let mut all = std::mem::take(&mut self.all);
-        all.clear();
+        self.forget(hierarchy, of_marked);
+        let (mut all, mut runs) = (std::mem::take(&mut self.all), std::mem::take(&mut self.runs));
+        let (first_new, mut count) = (runs.len(), self.count);
         let around = |slots: &[u32]| slots.iter().fold(Bounds::EMPTY, |all, slot| all.join(bounds[*slot as usize]));
-        let mut add = |kind: Kind, ids: [u32; 4], owned: Owned| {
-            if all.len() < surfaces.most {
-                all.extend(self.pair(topology, surfaces, starts, tangle, kind, ids, owned));
-            }
-        };
-        hierarchy.for_each_pair(|first, second| {
-            for &a in first {
-                let corners_a = topology.triangles[a as usize];
-                let (box_a, owned_a) = (around(&corners_a), self.features.owned[a as usize]);
-                for &b in second {
-                    let corners_b = topology.triangles[b as usize];
-                    let box_b = around(&corners_b);
-                    if !box_a.overlaps(&box_b) {
-                        continue;
-                    }
-                    let owned_b = self.features.owned[b as usize];
-                    let two = [
-                        (owned_a, corners_a, owned_b, corners_b, box_b),
-                        (owned_b, corners_b, owned_a, corners_a, box_a),
-                    ];
-                    for (owned, from, to_owned, to, to_box) in two {
-                        for i in (0..3).filter(|i| owned.corners[*i]) {
-                            if !to.contains(&from[i]) && bounds[from[i] as usize].overlaps(&to_box) {
-                                add(Kind::VertexTriangle, [from[i], to[0], to[1], to[2]], to_owned);
-                            }
+        hierarchy.for_each_pair(of_marked, |patches, a, others| {
+            let begin = all.len() as u32;
+            let mut add = |kind: Kind, ids: [u32; 4], owned: Owned| {
+                if count < surfaces.most {
+                    let pair = self.pair(topology, surfaces, starts, tangle, kind, ids, owned);
+                    count += usize::from(pair.is_some());
+                    all.extend(pair);
+                }
+            };
+            let corners_a = topology.triangles[a as usize];
+            let (box_a, owned_a) = (around(&corners_a), self.features.owned[a as usize]);
+            let sides_a = [0, 1, 2].map(|i| side(corners_a, i));
+            let side_boxes_a = sides_a.map(|side| around(&side));
+            for &b in others {
+                let corners_b = topology.triangles[b as usize];
+                let owned_b = self.features.owned[b as usize];
+                let boxes_b = corners_b.map(|slot| bounds[slot as usize]);
+                let box_b = boxes_b[0].join(boxes_b[1]).join(boxes_b[2]);
+                let two =
+                    [(owned_a, corners_a, owned_b, corners_b, box_b), (owned_b, corners_b, owned_a, corners_a, box_a)];
+                for (owned, from, to_owned, to, to_box) in two {
+                    for i in (0..3).filter(|i| owned.corners[*i]) {
+                        if !to.contains(&from[i]) && bounds[from[i] as usize].overlaps(&to_box) {
+                            add(Kind::VertexTriangle, [from[i], to[0], to[1], to[2]], to_owned);
                         }
                     }
-                    for i in (0..3).filter(|i| owned_a.sides[*i]) {
-                        let first = side(corners_a, i);
-                        let first_box = around(&first);
-                        for j in (0..3).filter(|j| owned_b.sides[*j]) {
-                            let second = side(corners_b, j);
-                            if !second.contains(&first[0])
-                                && !second.contains(&first[1])
-                                && first_box.overlaps(&around(&second))
-                            {
-                                add(Kind::EdgeEdge, [first[0], first[1], second[0], second[1]], Owned::default());
-                            }
+                }
+                let side_boxes_b = [0, 1, 2].map(|j| boxes_b[j].join(boxes_b[(j + 1) % 3]));
+                for i in (0..3).filter(|i| owned_a.sides[*i]) {
+                    let first = sides_a[i];
+                    for j in (0..3).filter(|j| owned_b.sides[*j]) {
+                        let second = side(corners_b, j);
+                        if !second.contains(&first[0])
+                            && !second.contains(&first[1])
+                            && side_boxes_a[i].overlaps(&side_boxes_b[j])
+                        {
+                            add(Kind::EdgeEdge, [first[0], first[1], second[0], second[1]], Owned::default());
                         }
                     }
                 }
             }
+            let end = all.len() as u32;
+            match runs[first_new..].last_mut() {
+                Some(run) if run.patches == patches => run.end = end,
+                _ if end > begin => {
+                    runs.push(Run { patches, begin, end, others: f32::NEG_INFINITY, near: f32::INFINITY });
+                }
+                _ => {}
+            }
         });
-        self.is_bounded = all.len() >= surfaces.most;
-        self.all = all;
+        self.is_bounded = count >= surfaces.most;
+        (self.all, self.runs, self.count) = (all, runs, count);
     }
 
     /// The pair of these particles, if they can come near each other and have a side.
@@ -211,6 +282,8 @@ impl Pairs {
             keep: self.distance_kept(topology, &between, kind, ids),
             limit: 0.0,
             path: [0.0; 4],
+            due: f32::NEG_INFINITY,
+            is_near: false,
             owned,
         };
         pair.limit = distance - pair.limit_at(distance, &found.weights);

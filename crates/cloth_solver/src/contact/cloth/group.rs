@@ -206,7 +206,7 @@ impl GroupContacts {
         let is_of = |ids: &[u32; 4]| ids.iter().any(|id| slots.contains(id));
         own.found = Found {
             touching: response.pressing().filter(|ids| is_of(ids)).count() as u32,
-            candidates: pairs.all.iter().filter(|pair| is_of(&pair.ids)).count(),
+            candidates: pairs.iter().filter(|pair| is_of(&pair.ids)).count(),
             tangled: (tangle.passages.iter())
                 .filter(|passage| slots.contains(&passage.edge[0]) || triangles.contains(&passage.triangle))
                 .count(),
@@ -219,7 +219,7 @@ impl GroupContacts {
         self.members.get(index).map(|member| (member.slots.clone(), member.frame))
     }
 
-    /// How often candidates have been looked for so far.
+    /// How often candidates have been looked for so far, everywhere or around some particles.
     pub fn searches(&self) -> u32 {
         self.state.watch.searches
     }

@@ -1,7 +1,8 @@
 //! Cloth against cloth: no vertex passes through a triangle and no edge through an edge, at any speed.
 //!
 //! 1. **Candidates**: the pairs of features that may come within the distance kept while every particle
-//!    stays near the path that its velocity predicts. Looked for again once one has left it, which is once in a tick or less.
+//!    stays near the path that its velocity predicts. Where one has left it they are looked for again, around
+//!    it alone.
 //! 2. **Response**, in each substep: the velocities that keep the pairs apart, by Gauss–Seidel on accumulated impulses. They act at the
 //!    nearest points where the substep began and along the line between them, so that momentum and angular momentum stay; they
 //!    only take energy. What is nearer than the distance kept is moved apart, and that never becomes velocity.
@@ -155,7 +156,7 @@ impl SelfContacts {
         self.found.is_bounded
     }
 
-    /// How often candidates have been looked for so far.
+    /// How often candidates have been looked for so far, everywhere or around some particles.
     pub fn searches(&self) -> u32 {
         self.state.watch.searches
     }

@@ -2,7 +2,9 @@
 
 use glam::Vec3A;
 
-use super::candidates::{Pair, Pairs};
+use super::candidates::{Pair, Pairs, Run};
+use super::detect::Watch;
+use super::hierarchy::Hierarchy;
 use super::nearest::{Kind, gap_along, nearest};
 use super::solve::{Bodies, Contact, Law, solve};
 use super::state::{Solids, State};
@@ -32,6 +34,7 @@ struct Near {
     normal: Vec3A,
     /// The distance always kept, m.
     least: f32,
+    patches: [u32; 2],
 }
 
 impl Near {
@@ -53,12 +56,16 @@ pub(super) struct Response {
     pub bodies: Bodies,
     /// The particles of all pairs.
     used: Vec<u32>,
+    is_used: Vec<bool>,
     /// How far each particle has gone since candidates were looked for, less the drift, m: up to where this substep began, and
     /// at most at its end.
     path: Vec<f32>,
     assumed: Vec<f32>,
     near: Vec<Near>,
-    is_near: Vec<bool>,
+    /// By patch: how far those of its particles that went farthest in each substep since the search have gone together, less the drift,
+    /// m; and with what any of them may go in this one.
+    gone: Vec<f32>,
+    going: Vec<f32>,
     contacts: Vec<Contact>,
     stops: Vec<Stop>,
     zones: Zones,
@@ -73,10 +80,12 @@ impl Response {
         Self {
             bodies: Bodies::new(slots),
             used: Vec::new(),
+            is_used: vec![false; slots],
             path: vec![0.0; slots],
             assumed: vec![0.0; slots],
             near: Vec::new(),
-            is_near: Vec::new(),
+            gone: Vec::new(),
+            going: Vec::new(),
             contacts: Vec::new(),
             stops: Vec::new(),
             zones: Zones::new(slots),
@@ -119,21 +128,66 @@ impl Response {
         self.used.iter().any(|slot| is_moved(*slot))
     }
 
-    /// Begins with new pairs.
-    pub fn begin(&mut self, pairs: &Pairs, particles: &Particles, solids: &[Solids], sub: &Substep) {
-        let mut is_used = vec![false; self.path.len()];
-        pairs.all.iter().flat_map(|pair| pair.ids).for_each(|id| is_used[id as usize] = true);
+    /// Begins with new pairs, all of them or those `of_marked` patches.
+    pub fn begin(
+        &mut self,
+        pairs: &mut Pairs,
+        watch: &Watch,
+        particles: &Particles,
+        solids: &[Solids],
+        sub: &Substep,
+        of_marked: bool,
+    ) {
+        let hierarchy = &watch.hierarchy;
+        if of_marked {
+            self.near.retain(|near| !hierarchy.is_marked(near.patches));
+            self.contacts.retain(|contact| !hierarchy.is_marked(contact.patches));
+        } else {
+            self.near.clear();
+            self.contacts.clear();
+            self.is_used.fill(false);
+            self.path.fill(0.0);
+            self.assumed.fill(0.0);
+            for all in [&mut self.gone, &mut self.going] {
+                all.clear();
+                all.resize(hierarchy.patches(), 0.0);
+            }
+        }
+        let is_new = |run: &&mut Run| run.others == f32::NEG_INFINITY;
+        let mut news = Vec::new();
+        for run in pairs.runs.iter_mut().filter(is_new) {
+            for pair in &mut pairs.all[run.range()] {
+                pair.path = pair.ids.map(|id| self.path[id as usize]);
+                let new = pair.ids.into_iter().filter(|id| !std::mem::replace(&mut self.is_used[*id as usize], true));
+                news.extend(new);
+            }
+        }
         self.used.clear();
-        self.used.extend((0..is_used.len() as u32).filter(|slot| is_used[*slot as usize]));
-        self.path.fill(0.0);
-        self.assumed.fill(0.0);
-        self.is_near.clear();
-        self.is_near.resize(pairs.len(), false);
-        self.near.clear();
-        self.contacts.clear();
-        self.stops.iter().for_each(|stop| self.bodies.held[stop.particle as usize] = Vec3A::ZERO);
-        Stop::find(&mut self.stops, &self.used, particles, solids, sub);
+        self.used.extend((0..self.is_used.len() as u32).filter(|slot| self.is_used[*slot as usize]));
+        if of_marked {
+            news.extend((0..).zip(&watch.has_left).filter(|(_, has_left)| **has_left).map(|(slot, _)| slot));
+            news.sort_unstable();
+            news.dedup();
+            news.retain(|slot| self.is_used[*slot as usize]);
+            let Self { stops, bodies, .. } = self;
+            stops.retain(|stop| {
+                let is_old = news.binary_search(&stop.particle).is_err();
+                if !is_old {
+                    bodies.held[stop.particle as usize] = Vec3A::ZERO;
+                }
+                is_old
+            });
+            Stop::find(stops, &news, particles, solids, sub);
+        } else {
+            self.find_stops(particles, solids, sub);
+        }
         self.gather(particles);
+    }
+
+    /// Finds where colliders stop the particles of all pairs.
+    pub fn find_stops(&mut self, particles: &Particles, solids: &[Solids], sub: &Substep) {
+        self.stops.drain(..).for_each(|stop| self.bodies.held[stop.particle as usize] = Vec3A::ZERO);
+        Stop::find(&mut self.stops, &self.used, particles, solids, sub);
     }
 
     fn gather(&mut self, particles: &Particles) {
@@ -171,38 +225,61 @@ impl Response {
     }
 
     /// Finds the pairs that may come too near in this substep, and their contacts.
-    fn find_near(&mut self, pairs: &mut Pairs, law: &Law) -> bool {
+    fn find_near(&mut self, pairs: &mut Pairs, hierarchy: &Hierarchy, law: &Law) -> bool {
         let mut has_no_side = false;
-        for (index, pair) in pairs.all.iter_mut().enumerate() {
-            if self.is_near[index] {
+        for patch in 0..self.going.len() {
+            let ways = hierarchy.particles_of(patch).iter().map(|slot| {
+                let slot = *slot as usize;
+                self.assumed[slot] - self.path[slot]
+            });
+            // More than rounding makes it less.
+            self.going[patch] = (1.0 + 1e-5) * (self.gone[patch] + ways.fold(0.0, f32::max));
+        }
+        for run in &mut pairs.runs {
+            let together = |of: &[f32]| run.patches.iter().map(|patch| of[*patch as usize]).sum::<f32>();
+            let (gone, going) = (together(&self.gone), together(&self.going));
+            if run.others > going {
                 continue;
             }
-            if ways(&self.assumed, pair) < pair.limit {
-                continue;
-            }
-            let Pair { kind, ids, keep, .. } = *pair;
-            let starts = four(&self.bodies.starts, &ids);
-            let found = nearest(kind, &starts);
-            let distance = found.between.length();
-            pair.limit = distance - pair.limit_at(distance, &found.weights);
-            pair.path = ids.map(|id| self.path[id as usize]);
-            if ways(&self.assumed, pair) < pair.limit {
-                continue;
-            }
-            if distance < NO_SIDE {
-                has_no_side = true;
-                continue;
-            }
-            self.is_near[index] = true;
-            let normal = found.between / distance;
-            self.near.push(Near { kind, ids, normal, least: pair.least(distance) });
-            let moved = four(&self.bodies.moved, &ids);
-            let ends: [Vec3A; 4] = core::array::from_fn(|i| starts[i] + moved[i]);
-            if pair.speaks(&found.weights) && gap_along(kind, &ends, normal) < keep {
-                self.contacts.extend(Contact::new(kind, ids, &found, keep, 0.0, &self.bodies, law));
+            run.others = f32::INFINITY;
+            for pair in pairs.all[run.range()].iter_mut().filter(|pair| !pair.is_near) {
+                if pair.due <= going {
+                    has_no_side |= !self.look(pair, run.patches, law);
+                    pair.due = gone + pair.limit - ways(&self.path, pair);
+                }
+                let least = if pair.is_near { &mut run.near } else { &mut run.others };
+                *least = least.min(pair.due);
             }
         }
         has_no_side
+    }
+
+    /// Whether a pair may come too near in this substep; then makes its contact. `false` if it has no side.
+    fn look(&mut self, pair: &mut Pair, patches: [u32; 2], law: &Law) -> bool {
+        if ways(&self.assumed, pair) < pair.limit {
+            return true;
+        }
+        let Pair { kind, ids, keep, .. } = *pair;
+        let starts = four(&self.bodies.starts, &ids);
+        let found = nearest(kind, &starts);
+        let distance = found.between.length();
+        pair.limit = distance - pair.limit_at(distance, &found.weights);
+        pair.path = ids.map(|id| self.path[id as usize]);
+        if ways(&self.assumed, pair) < pair.limit {
+            return true;
+        }
+        if distance < NO_SIDE {
+            return false;
+        }
+        pair.is_near = true;
+        let normal = found.between / distance;
+        self.near.push(Near { kind, ids, normal, least: pair.least(distance), patches });
+        let moved = four(&self.bodies.moved, &ids);
+        let ends: [Vec3A; 4] = core::array::from_fn(|i| starts[i] + moved[i]);
+        if pair.speaks(&found.weights) && gap_along(kind, &ends, normal) < keep {
+            self.contacts.extend(Contact::new(kind, ids, patches, &found, keep, 0.0, &self.bodies, law));
+        }
+        true
     }
 
     /// Of the pairs that meet in spite of their contacts makes further ones, or zones. Whether there were any.
@@ -217,7 +294,9 @@ impl Response {
                 if round < SWEPT_ROUNDS {
                     let (starts, moved) = (four(&self.bodies.starts, &near.ids), four(&self.bodies.moved, &near.ids));
                     let found = nearest(near.kind, &core::array::from_fn(|i| starts[i] + moved[i] * t));
-                    self.contacts.extend(Contact::new(near.kind, near.ids, &found, near.least, t, &self.bodies, law));
+                    let contact =
+                        Contact::new(near.kind, near.ids, near.patches, &found, near.least, t, &self.bodies, law);
+                    self.contacts.extend(contact);
                 } else {
                     self.zones.join(&near.ids, t, &self.bodies);
                 }
@@ -243,7 +322,7 @@ impl State {
         let h = sub.h;
         self.surfaces.begin(h);
         let slack = 0.02 * self.surfaces.distance;
-        self.response.reset(particles, h, slack);
+        self.response.reset(&mut self.pairs, particles, h, slack);
         if !self.tangle.passages.is_empty() {
             tangle::untangle(&self.tangle, topology, particles, h);
             self.response.gather(particles);
@@ -254,7 +333,7 @@ impl State {
             let drift = Vec3A::from(self.watch.drift * h);
             may_find_more |= self.response.assume(drift, slack);
             if may_find_more {
-                self.watch.is_suspect |= self.response.find_near(&mut self.pairs, &law);
+                self.watch.is_suspect |= self.response.find_near(&mut self.pairs, &self.watch.hierarchy, &law);
                 may_find_more = false;
             }
             if round <= SWEPT_ROUNDS {
@@ -269,7 +348,7 @@ impl State {
             }
             self.response.scatter(particles);
             if self.watch.has_been_left(&particles.position) {
-                self.detect(topology, particles, solids, sub, true);
+                self.detect(topology, particles, solids, sub);
                 may_find_more = true;
                 continue;
             }
@@ -282,13 +361,13 @@ impl State {
                 break;
             }
         }
-        self.response.finish(Vec3A::from(self.watch.drift * h), particles);
+        self.response.finish(Vec3A::from(self.watch.drift * h), particles, &self.watch.hierarchy);
     }
 }
 
 impl Response {
     /// Begins a substep.
-    fn reset(&mut self, particles: &Particles, h: f32, slack: f32) {
+    fn reset(&mut self, pairs: &mut Pairs, particles: &Particles, h: f32, slack: f32) {
         self.gather(particles);
         for stop in &mut self.stops {
             stop.advance(h);
@@ -299,19 +378,28 @@ impl Response {
         for slot in self.used.iter().map(|slot| *slot as usize) {
             self.assumed[slot] = 0.0;
         }
-        self.is_near.fill(false);
+        for run in pairs.runs.iter_mut().filter(|run| run.near < f32::INFINITY) {
+            pairs.all[run.range()].iter_mut().for_each(|pair| pair.is_near = false);
+            (run.others, run.near) = (run.others.min(run.near), f32::INFINITY);
+        }
         self.near.clear();
         self.contacts.clear();
         self.zones.clear();
     }
 
     /// Ends a substep.
-    fn finish(&mut self, drift: Vec3A, particles: &Particles) {
+    fn finish(&mut self, drift: Vec3A, particles: &Particles, hierarchy: &Hierarchy) {
         self.touching = self.pressing().count() as u32;
         self.rigid += u32::from(!self.zones.is_empty());
         for slot in self.used.iter().map(|slot| *slot as usize) {
-            self.path[slot] += (self.bodies.moved[slot] - drift).length();
+            // From here on the way of this substep.
+            self.assumed[slot] = (self.bodies.moved[slot] - drift).length();
+            self.path[slot] += self.assumed[slot];
             self.ends[slot] = Vec3A::from(particles.position.get(slot));
+        }
+        for (patch, gone) in self.gone.iter_mut().enumerate() {
+            let ways = hierarchy.particles_of(patch).iter().map(|slot| self.assumed[*slot as usize]);
+            *gone += ways.fold(0.0, f32::max);
         }
     }
 }

@@ -60,6 +60,7 @@ fn weighted(all: &[Vec3A], ids: &[u32; 4], weights: &[f32; 4]) -> Vec3A {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pub ids: [u32; 4],
+    pub patches: [u32; 2],
     weights: [f32; 4],
     /// From the second point to the first, of unit length.
     normal: Vec3A,
@@ -97,6 +98,7 @@ impl Contact {
     pub fn new(
         kind: Kind,
         ids: [u32; 4],
+        patches: [u32; 2],
         found: &Nearest,
         keep: f32,
         t: f32,
@@ -129,6 +131,7 @@ impl Contact {
         let made_up = (between.made_up * missing).min(DEPENETRATION_SPEED * law.h);
         Some(Self {
             ids,
+            patches,
             weights,
             normal,
             mass: 1.0 / inertia,

@@ -53,12 +53,13 @@ impl State {
     /// One substep's worth of contact.
     pub fn collide(&mut self, topology: &Topology, particles: &mut Particles, solids: &[Solids], sub: &Substep) {
         if sub.start <= 0.0 {
-            self.begin_tick(topology, particles);
+            self.begin_tick(topology, particles, sub);
+            self.response.find_stops(particles, solids, sub);
         }
         self.response.touching = 0;
         self.watch.advance(sub.h);
         if self.watch.has_been_left(&particles.position) {
-            self.detect(topology, particles, solids, sub, false);
+            self.detect(topology, particles, solids, sub);
         }
         if !self.pairs.is_empty() || !self.tangle.passages.is_empty() {
             self.respond(topology, particles, solids, sub);

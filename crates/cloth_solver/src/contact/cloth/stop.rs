@@ -20,9 +20,9 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// Of the particles in `slots`, in ascending order, that a collider may stop before the tick is over. `sub` is the substep at hand.
+    /// Adds those of the particles in `slots`, in ascending order, that a collider may stop before the tick is over. `sub` is the substep
+    /// at hand.
     pub fn find(all: &mut Vec<Self>, slots: &[u32], particles: &Particles, solids: &[Solids], sub: &Substep) {
-        all.clear();
         for cloth in solids {
             let [first, end] =
                 [cloth.slots.start, cloth.slots.end].map(|end| slots.partition_point(|slot| *slot < end));

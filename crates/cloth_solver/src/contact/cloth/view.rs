@@ -50,7 +50,7 @@ impl GroupContacts {
 
 impl State {
     fn candidate_lines(&self, is_shown: impl Fn(&[u32; 4]) -> bool) -> Vec<[Vec3; 2]> {
-        let shown = self.pairs.all.iter().filter(|pair| is_shown(&pair.ids));
+        let shown = self.pairs.iter().filter(|pair| is_shown(&pair.ids));
         let line = |pair: &super::candidates::Pair| {
             let points = four(self.response.ends(), &pair.ids);
             let found = nearest(pair.kind, &points);

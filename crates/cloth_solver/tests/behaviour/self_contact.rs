@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use crate::common::*;
 use cloth_solver::contact::{Contacts, SelfContact, SelfContacts, Shape, collide_self};
 use cloth_solver::{Cloth, Fabric, Tick, measure};
-use glam::{DVec3, Quat, Vec2, Vec3, Vec3Swizzles};
+use glam::{DVec3, EulerRot, Quat, Vec2, Vec3, Vec3Swizzles};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -73,6 +73,39 @@ fn layers_of_any_fabric_come_to_rest_without_a_crossing() {
     }
 }
 
+/// Throws a sheet that begins 1.2 m above the ground and is turned by Euler angles, rad. The first tick after which it passes through
+/// itself.
+fn throw(mut cloth: Cloth, fabric: &Fabric, [x, y, z]: [f32; 3], velocity: [f32; 3], ball: bool) -> Option<u32> {
+    place(&mut cloth, Quat::from_euler(EulerRot::XYZ, x, y, z), Vec3::Y * 1.2);
+    for slot in 0..cloth.topology.slots() {
+        cloth.particles.velocity.set(slot, Vec3::from_array(velocity));
+    }
+    let ground = collider(Shape::HalfSpace, Vec3::ZERO, Quat::IDENTITY, 0.4);
+    let ball = ball.then(|| collider(Shape::Sphere { radius: 0.2 }, Vec3::Y * 0.25, Quat::IDENTITY, 0.3));
+    cloth.contacts.set_colliders([ground].into_iter().chain(ball));
+    keep_off_itself(&mut cloth, fabric);
+    (0..60).find(|_| {
+        cloth.step(TICK, GRAVITY);
+        crossings(&cloth) > 0
+    })
+}
+
+#[test]
+fn jersey_that_crashes_on_its_edge_does_not_pass_through_itself() {
+    // So many pairs may meet that no more may be followed.
+    let sheet = rectangle(0.491_064_54, 0.314_461_35, 19, 20, &Fabric::COTTON_JERSEY);
+    let turn = [-0.073_619_13, 1.300_03, -0.237_098_34];
+    assert_eq!(throw(sheet, &Fabric::COTTON_JERSEY, turn, [-1.043_395_4, -4.034_68, 2.874_266], false), None);
+}
+
+#[test]
+fn a_towel_of_long_thin_cells_that_falls_on_a_ball_does_not_pass_through_itself() {
+    // Its cells are sheared in their plane until they overlap.
+    let towel = rectangle(0.514_190_9, 1.290_500_5, 39, 9, &Fabric::TERRY_TOWEL);
+    let turn = [1.503_160_7, -2.328_412, 2.744_294];
+    assert_eq!(throw(towel, &Fabric::TERRY_TOWEL, turn, [-0.948_977_35, -3.235_497_7, -1.852_395_4], true), None);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
@@ -96,6 +129,16 @@ proptest! {
         let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
         prop_assert_eq!(crossings(&cloth), 0);
         prop_assert!(speed < 0.03, "{} m/s", speed);
+    }
+
+    #[test]
+    fn a_sheet_thrown_in_any_way_does_not_pass_through_itself(
+        preset in 0..Fabric::PRESETS.len(), size in [0.3_f32..1.3, 0.3_f32..1.3], cells in [8_u32..30, 8_u32..30], is_mesh in any::<bool>(),
+        turn in [-3.0_f32..3.0, -3.0_f32..3.0, -3.0_f32..3.0], velocity in [-3.0_f32..3.0, -5.0_f32..1.0, -3.0_f32..3.0], ball in any::<bool>(),
+    ) {
+        let fabric = Fabric::PRESETS[preset].1;
+        let sheet = if is_mesh { irregular_mesh(size.into(), cells, &fabric) } else { rectangle(size[0], size[1], cells[0], cells[1], &fabric) };
+        prop_assert_eq!(throw(sheet, &fabric, turn, velocity, ball), None);
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl Near {
 #[derive(Clone, Debug)]
 pub(super) struct Response {
     pub bodies: Bodies,
-    /// The particles of all pairs.
+    /// The particles of all pairs and zones.
     used: Vec<u32>,
     is_used: Vec<bool>,
     /// How far each particle has gone since candidates were looked for, less the drift, m: up to where this substep began, and
@@ -146,6 +146,7 @@ impl Response {
             self.near.clear();
             self.contacts.clear();
             self.is_used.fill(false);
+            self.zones.slots().for_each(|slot| self.is_used[slot as usize] = true);
             self.path.fill(0.0);
             self.assumed.fill(0.0);
             for all in [&mut self.gone, &mut self.going] {

@@ -49,6 +49,11 @@ impl Zones {
         self.members.is_empty()
     }
 
+    /// The particles in zones.
+    pub fn slots(&self) -> impl Iterator<Item = u32> {
+        self.members.iter().map(|(slot, ..)| *slot)
+    }
+
     fn root(&self, mut slot: u32) -> u32 {
         while self.parent[slot as usize] != slot {
             slot = self.parent[slot as usize];

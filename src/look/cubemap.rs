@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
+use bevy::tasks::{ComputeTaskPool, ParallelSlice, ParallelSliceMut, TaskPool};
 use half::f16;
 
 /// Edge of a face of the map of diffuse light, texels: it has no detail.
@@ -21,13 +22,16 @@ pub struct Cubemap {
 
 impl Cubemap {
     /// Paints what is seen in each direction (a unit vector, y up) on faces of `edge` texels, a power of two.
-    pub fn paint(edge: u32, radiance: impl Fn(Vec3) -> Vec3) -> Self {
-        let place = |index: u32| (index / (edge * edge), index % edge, index / edge % edge);
-        let paint = |index| {
-            let (face, x, y) = place(index);
-            radiance(direction(face, x, y, edge))
-        };
-        Self { edge, texels: (0..6 * edge * edge).map(paint).collect() }
+    pub fn paint(edge: u32, radiance: impl Fn(Vec3) -> Vec3 + Send + Sync) -> Self {
+        let mut texels = vec![Vec3::ZERO; 6 * (edge * edge) as usize];
+        let part = (edge * edge).div_ceil(8) as usize;
+        texels.par_chunk_map_mut(threads(), part, |index, texels| {
+            for (index, texel) in (index * part..).zip(texels) {
+                let index = index as u32;
+                *texel = radiance(direction(index / (edge * edge), index % edge, index / edge % edge, edge));
+            }
+        });
+        Self { edge, texels }
     }
 
     /// Half as fine: each texel the mean of four.
@@ -93,6 +97,20 @@ fn direction(face: u32, x: u32, y: u32, edge: u32) -> Vec3 {
     (at * Vec3::new(1.0, 1.0, -1.0)).normalize()
 }
 
+/// The threads to paint on.
+fn threads() -> &'static TaskPool {
+    ComputeTaskPool::get_or_init(TaskPool::default)
+}
+
+/// A texel, opaque, as numbers of half precision.
+fn halves(texel: &Vec3) -> [u8; 8] {
+    let mut bytes = [0; 8];
+    for (bytes, part) in bytes.chunks_exact_mut(2).zip(texel.extend(1.0).to_array()) {
+        bytes.copy_from_slice(&f16::from_f32(part.clamp(0.0, 65_000.0)).to_le_bytes());
+    }
+    bytes
+}
+
 /// A texture of the same map at several sizes, each half of the one before.
 fn image(edge: u32, levels: &[Cubemap]) -> Image {
     let mut bytes = Vec::new();
@@ -100,10 +118,11 @@ fn image(edge: u32, levels: &[Cubemap]) -> Image {
     for face in 0..6 {
         for level in levels {
             let texels = (level.edge * level.edge) as usize;
-            for texel in &level.texels[face * texels..(face + 1) * texels] {
-                let texel = texel.extend(1.0).to_array().map(|part| f16::from_f32(part.clamp(0.0, 65_000.0)));
-                bytes.extend(texel.into_iter().flat_map(f16::to_le_bytes));
-            }
+            let face = &level.texels[face * texels..(face + 1) * texels];
+            let parts = face.par_chunk_map(threads(), texels.div_ceil(8), |_, texels| {
+                texels.iter().flat_map(halves).collect::<Vec<u8>>()
+            });
+            parts.iter().for_each(|part| bytes.extend_from_slice(part));
         }
     }
     let size = Extent3d { width: edge, height: edge, depth_or_array_layers: 6 };

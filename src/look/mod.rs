@@ -23,6 +23,10 @@ const WHITE: f32 = 1000.0;
 const SUNLIGHT: f32 = 8500.0;
 /// Edge of a face of the sky that is seen, and of the map its light comes from, texels.
 const FACES: (u32, u32) = (512, 32);
+/// While it is changed all the time, as by a slider, the sky that is seen is painted so many times coarser; and it counts as changed for
+/// so long, s.
+const COARSER: u32 = 4;
+const SETTLES: f64 = 0.3;
 /// Distances between which the ground fades into the horizon, m; much farther in the open.
 const HAZE: (f32, f32) = (9.0, 30.0);
 /// What is brighter than this many times white glows: fire, and nothing that is lit.
@@ -38,15 +42,31 @@ pub struct LookPlugin;
 impl Plugin for LookPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<View>()
+            .init_resource::<Painted>()
             .insert_resource(ClearColor(Color::BLACK))
             .insert_resource(GlobalAmbientLight::NONE)
             .add_inspector_section("Scene", true, panel::show)
             .add_systems(Startup, spawn_sun)
-            .add_systems(
-                PostUpdate,
-                show.run_if(resource_exists_and_changed::<View>.or_else(any_match_filter::<Added<Seeing>>)),
-            );
+            .add_systems(PostUpdate, show.run_if(is_due));
     }
+}
+
+/// When the sky was painted, s of real time, and whether coarsely.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+struct Painted {
+    at: Option<f64>,
+    is_coarse: bool,
+}
+
+impl Painted {
+    fn lately(&self, time: &Time<Real>) -> bool {
+        self.at.is_some_and(|at| time.elapsed_secs_f64() - at < SETTLES)
+    }
+}
+
+/// Whether light and sky are to be painted: they changed, or a camera is new, or what was painted coarsely has not changed since.
+fn is_due(view: Res<View>, cameras: Query<(), Added<Seeing>>, painted: Res<Painted>, time: Res<Time<Real>>) -> bool {
+    view.is_changed() || !cameras.is_empty() || painted.is_coarse && !painted.lately(&time)
 }
 
 /// The camera that sees sky and light.
@@ -100,8 +120,10 @@ fn show(
     cameras: Query<Entity, With<Seeing>>,
     mut suns: Query<(&mut DirectionalLight, &mut Transform), With<Sun>>,
     mut images: ResMut<Assets<Image>>,
+    (mut painted, time): (ResMut<Painted>, Res<Time<Real>>),
     mut commands: Commands,
 ) {
+    *painted = Painted { at: Some(time.elapsed_secs_f64()), is_coarse: painted.lately(&time) };
     let view = &view.0;
     let sky = Sky::new(view);
     for (mut light, mut place) in &mut suns {
@@ -110,7 +132,8 @@ fn show(
         light.color = Color::linear_rgb(color.x, color.y, color.z);
         light.illuminance = SUNLIGHT * strength;
     }
-    let seen = images.add(Cubemap::paint(FACES.0, |at| sky.seen(at)).image());
+    let edge = if painted.is_coarse { FACES.0 / COARSER } else { FACES.0 };
+    let seen = images.add(Cubemap::paint(edge, |at| sky.seen(at)).image());
     let (diffuse, glossy) = Cubemap::paint(FACES.1, |at| sky.lights(at)).light();
     let (diffuse_map, specular_map) = (images.add(diffuse), images.add(glossy));
     let brighter = view.exposure.exp2();
@@ -154,5 +177,39 @@ fn lamp(view: &SceneView, sky: &Sky) -> (Vec3, Vec3, f32) {
         // At night the moon stands where the sun will be.
         _ if sky.sun.y < -0.03 => (-sky.sun, sky.sunlight, 1.0),
         _ => (sky.sun.with_y(sky.sun.y.max(0.02)).normalize(), sky.sunlight, 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::time::TimeUpdateStrategy;
+    use std::time::Duration;
+
+    #[test]
+    fn the_sky_is_painted_coarsely_while_it_is_changed_and_then_finely() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+            .init_asset::<Image>()
+            .init_resource::<View>()
+            .init_resource::<Painted>()
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(50)))
+            .add_systems(PostUpdate, show.run_if(is_due));
+        let camera = app.world_mut().spawn(eyes()).id();
+        let edge = |app: &App| {
+            let image = app.world().get::<Skybox>(camera).unwrap().image.as_ref().unwrap();
+            app.world().resource::<Assets<Image>>().get(image).unwrap().width()
+        };
+        app.update();
+        assert_eq!(edge(&app), FACES.0, "at once where it is new");
+        for hour in [9.0, 9.1, 9.2] {
+            app.world_mut().resource_mut::<View>().0.hour = hour;
+            app.update();
+            assert_eq!(edge(&app), FACES.0 / COARSER, "at {hour} h");
+        }
+        for _ in 0..10 {
+            app.update();
+        }
+        assert_eq!(edge(&app), FACES.0);
     }
 }

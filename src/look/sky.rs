@@ -123,12 +123,12 @@ impl Sky {
 
     fn above(&self, at: Vec3) -> Vec3 {
         let up = at.y.max(0.0);
-        let clear = self.horizon.lerp(self.zenith, 1.0 - (1.0 - up).powf(4.0));
+        let clear = self.horizon.lerp(self.zenith, 1.0 - (1.0 - up).powi(4));
         let near = at.dot(self.sun).max(0.0);
-        let halo = self.glow * (0.22 * near.powf(6.0) + 0.5 * near.powf(40.0) + 1.6 * near.powf(420.0));
+        let halo = self.glow * (0.22 * near.powi(6) + 0.5 * near.powi(40) + 1.6 * near.powi(420));
         let sky = clear + halo * (1.0 - up * 0.4);
         let cover = self.cover(at);
-        let lit = self.horizon * 0.75 + self.sunlight * 0.45 + self.glow * 0.3 * near.powf(4.0);
+        let lit = self.horizon * 0.75 + self.sunlight * 0.45 + self.glow * 0.3 * near.powi(4);
         sky.lerp(lit, cover)
     }
 
@@ -138,8 +138,12 @@ impl Sky {
             return 0.0;
         }
         let place = Vec2::new(at.x, at.z) / (at.y + 0.14) * 1.3;
-        let thick = fractal(place + 7.3, 5) + 0.35 * fractal(place * 2.7 + 41.0, 3) - 0.17;
         let from = 0.86 - 0.72 * self.clouds;
+        let thick = fractal(place + 7.3, 5) - 0.17;
+        if thick + 0.35 <= from {
+            return 0.0;
+        }
+        let thick = thick + 0.35 * fractal(place * 2.7 + 41.0, 3);
         let edge = ((thick - from) / 0.28).clamp(0.0, 1.0);
         0.85 * edge * edge * (3.0 - 2.0 * edge) * (at.y * 7.0).min(1.0)
     }
@@ -147,15 +151,22 @@ impl Sky {
     /// The sky over hills.
     fn landscape(&self, at: Vec3) -> Vec3 {
         let around = Vec2::new(at.x, at.z).normalize_or(Vec2::X);
-        let mut seen = self.above(at);
+        // How far down a ridge a direction is, 0..=1. Noise costs much, and most directions are below or above all ridges.
+        let inside = |height: f32, wide: f32, seed: f32| {
+            let at_most = |of_noise: f32| ((height * (0.35 + of_noise) - at.y) * 160.0).clamp(0.0, 1.0);
+            let (least, most) = (at_most(0.0), at_most(1.0));
+            if least == most { least } else { at_most(fractal(around * wide + seed, 4)) }
+        };
+        let wood = Vec3::new(0.10, 0.15, 0.07) * (self.sunlight * 0.9 + self.zenith * 0.6 + self.horizon * 0.3);
+        let hills = |pale: f32| wood.lerp(self.horizon, pale);
         // Two ranges, the farther one higher and paler.
-        for (height, wide, pale, seed) in [(0.085, 3.0, 0.55, 3.0), (0.045, 5.0, 0.28, 19.0)] {
-            let ridge = height * (0.35 + fractal(around * wide + seed, 4));
-            let inside = ((ridge - at.y) * 160.0).clamp(0.0, 1.0);
-            let wood = Vec3::new(0.10, 0.15, 0.07) * (self.sunlight * 0.9 + self.zenith * 0.6 + self.horizon * 0.3);
-            seen = seen.lerp(wood.lerp(self.horizon, pale), inside);
+        let near = inside(0.045, 5.0, 19.0);
+        if near >= 1.0 {
+            return hills(0.28);
         }
-        seen
+        let far = inside(0.085, 3.0, 3.0);
+        let behind = if far >= 1.0 { hills(0.55) } else { self.above(at).lerp(hills(0.55), far) };
+        behind.lerp(hills(0.28), near)
     }
 
     /// A room by day: light walls, a window on the left, a wooden floor.

@@ -46,10 +46,36 @@ fn bones_have_capsules_that_go_along_and_go_away() {
     figure.app.world_mut().get_mut::<SkinnedMesh>(figure.cape).unwrap().joints.push(hand);
     figure.app.world_mut().get_mut::<BoneColliders>(figure.root).unwrap().radius = 0.25;
     run(&mut figure.app, 2);
-    assert_eq!(capsules(&mut figure.app).len(), 3);
+    let found = capsules(&mut figure.app);
+    assert_eq!(found.len(), 3);
+    let [wrist, fingers] =
+        [figure.joints[2], hand].map(|joint| get::<GlobalTransform>(&figure.app, joint).translation());
+    let off = |(from, to, _): &(Vec3, Vec3, f32)| from.distance(wrist).max(to.distance(fingers));
+    let nearest = found.iter().map(off).fold(f32::MAX, f32::min);
+    assert!(nearest < 1e-5, "the hand's capsule is {nearest} m off");
+    let bones = BoneColliders::new(0.25).with_radius("chest", 0.0);
+    figure.app.world_mut().entity_mut(figure.root).insert(bones);
+    run(&mut figure.app, 2);
+    assert_eq!(capsules(&mut figure.app).len(), 2, "a radius of 0 is no capsule");
     figure.app.world_mut().entity_mut(figure.root).remove::<BoneColliders>();
     run(&mut figure.app, 2);
     assert!(capsules(&mut figure.app).is_empty());
+}
+
+#[test]
+fn an_armature_that_arrives_later_than_its_colliders_has_capsules() {
+    let mut app = headless();
+    app.add_plugins(TransformPlugin);
+    let root = app.world_mut().spawn((BoneColliders::default(), Transform::IDENTITY)).id();
+    run(&mut app, 3);
+    assert!(capsules(&mut app).is_empty());
+    let hip = app.world_mut().spawn((Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(root))).id();
+    app.world_mut().spawn((Transform::from_xyz(0.0, 0.0, 0.5), ChildOf(hip)));
+    run(&mut app, 2);
+    let found = capsules(&mut app);
+    assert_eq!(found.len(), 2);
+    let (hip, knee, _) = found[1];
+    assert!(hip.distance(Vec3::Y) < 1e-6 && knee.distance(Vec3::new(0.0, 1.0, 0.5)) < 1e-6, "from {hip} to {knee}");
 }
 
 #[test]

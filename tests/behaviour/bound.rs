@@ -1,6 +1,7 @@
 //! A fine mesh that is drawn on a coarse cloth.
 
 use crate::common::*;
+use bevy::camera::primitives::Aabb;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_cloth::*;
@@ -77,6 +78,61 @@ fn it_turns_with_the_cloth_as_a_rigid_body() {
     let rest = authored(9);
     let error = largest(drawn(&app, fine).iter().zip(&rest).map(|(now, then)| now.distance(to.transform_point(*then))));
     assert!(error < 1e-5, "{error} m away");
+}
+
+#[test]
+fn normals_tangents_and_bounds_are_those_of_the_shape_that_is_drawn() {
+    // Seen from its entity the plate is skewed.
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.3, 1.0, -0.7);
+    let place = Transform::from_xyz(3.0, -2.0, 1.0).with_rotation(turn).with_scale(Vec3::new(2.0, 0.5, 4.0));
+    let affine = place.compute_affine();
+    let (to_local, normal_to_local) = (affine.inverse(), affine.matrix3.transpose());
+    let mut plate = plate(9).with_generated_tangents().expect("it has texture coordinates");
+    let (mut normals, mut tangents) = (Vec::new(), Vec::new());
+    for (attribute, values) in plate.attributes_mut() {
+        match values {
+            VertexAttributeValues::Float32x3(values) => values.iter_mut().for_each(|value| {
+                let was = Vec3::from_array(*value);
+                *value = if attribute.id == Mesh::ATTRIBUTE_NORMAL.id {
+                    normals.push(was);
+                    (normal_to_local * was).normalize().to_array()
+                } else {
+                    to_local.transform_point3(was).to_array()
+                };
+            }),
+            VertexAttributeValues::Float32x4(values) => values.iter_mut().for_each(|[x, y, z, _]| {
+                let was = Vec3::new(*x, *y, *z);
+                tangents.push(was);
+                [*x, *y, *z] = to_local.transform_vector3(was).normalize().to_array();
+            }),
+            _ => {}
+        }
+    }
+    let mut app = with_meshes();
+    let cloth = app.world_mut().spawn((Cloth::rectangle(1.0, 1.0).with_cells(4, 4), everywhere())).id();
+    let fine = app.world_mut().resource_mut::<Assets<Mesh>>().add(plate);
+    let fine = app.world_mut().spawn((BoundTo(cloth), Mesh3d(fine), place)).id();
+    run(&mut app, 3);
+    let to = Transform::from_xyz(0.2, 0.1, -0.1).with_rotation(Quat::from_rotation_y(1.2) * Quat::from_rotation_x(0.4));
+    app.world_mut().entity_mut(cloth).insert((to, Teleport { policy: TeleportPolicy::CarryAlong, ..default() }));
+    run(&mut app, 30);
+    let now = vectors(&app, fine, Mesh::ATTRIBUTE_NORMAL);
+    let to_world = normal_to_local.inverse();
+    let error = largest(
+        now.iter().zip(&normals).map(|(now, then)| (to_world * *now).normalize().distance(to.rotation * *then)),
+    );
+    assert!(now.len() == normals.len() && error < 1e-4, "normals differ by {error}");
+    let Some(VertexAttributeValues::Float32x4(now)) = mesh(&app, fine).attribute(Mesh::ATTRIBUTE_TANGENT) else {
+        panic!()
+    };
+    let world = |[x, y, z, _]: &[f32; 4]| affine.transform_vector3(Vec3::new(*x, *y, *z)).normalize();
+    let error = largest(now.iter().zip(&tangents).map(|(now, then)| world(now).distance(to.rotation * *then)));
+    assert!(now.len() == tangents.len() && error < 1e-4, "tangents differ by {error}");
+    let bounds = get::<Aabb>(&app, fine);
+    let points = vectors(&app, fine, Mesh::ATTRIBUTE_POSITION);
+    let around = Aabb::enclosing(&points).expect("it has vertices");
+    let error = bounds.min().distance(around.min()).max(bounds.max().distance(around.max()));
+    assert!(error < 1e-5, "bounds differ by {error} m");
 }
 
 #[test]

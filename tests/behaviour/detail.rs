@@ -39,11 +39,27 @@ fn near_and_without_a_viewer_all_is_computed_to_the_last_bit() {
     let plain = motion(|_| (), false);
     assert_eq!(motion(|_| (), true), plain, "without viewer or camera");
     assert_eq!(motion(|app| _ = viewer(app, 19.0), true), plain, "near a viewer");
+    let two = |app: &mut App| [90.0, 19.0].iter().for_each(|distance| _ = viewer(app, *distance));
+    assert_eq!(motion(two, true), plain, "near one of two viewers");
     let camera = |app: &mut App| {
         app.world_mut().spawn((Camera::default(), Transform::from_xyz(0.0, 0.0, 15.0)));
         app.world_mut().spawn((Camera { is_active: false, ..default() }, Transform::from_xyz(0.0, 0.0, 90.0)));
     };
     assert_eq!(motion(camera, true), plain, "near a camera");
+}
+
+#[test]
+fn a_camera_that_is_not_active_does_not_see_it() {
+    let (mut app, flag) = flag((detail(), ClothStats::default()));
+    let cameras = [(true, 30.0), (false, 5.0)].map(|(is_active, distance)| {
+        app.world_mut().spawn((Camera { is_active, ..default() }, Transform::from_xyz(0.0, 0.0, distance))).id()
+    });
+    run(&mut app, 120);
+    let far = substeps(&app, flag);
+    app.world_mut().get_mut::<Camera>(cameras[1]).expect("it is there").is_active = true;
+    run(&mut app, 120);
+    let near = substeps(&app, flag);
+    assert!(2 * far <= near, "{far} substeps far off, {near} near");
 }
 
 #[test]

@@ -29,6 +29,8 @@ pub trait Engine {
     fn set_gravity(app: &mut App, gravity: Vec3);
     /// Lets its motion fade, moving and turning, at that rate, 1/s.
     fn damp(app: &mut App, body: Entity, rate: f32);
+    /// Lets it move along y only, and not turn.
+    fn lock(app: &mut App, body: Entity);
 
     fn app() -> App {
         Self::app_of(TICK)
@@ -84,6 +86,12 @@ impl Engine for Avian {
         use avian3d::prelude::*;
         app.world_mut().entity_mut(body).insert((LinearDamping(rate), AngularDamping(rate)));
     }
+
+    fn lock(app: &mut App, body: Entity) {
+        use avian3d::prelude::*;
+        let axes = LockedAxes::ROTATION_LOCKED.lock_translation_x().lock_translation_z();
+        app.world_mut().entity_mut(body).insert(axes);
+    }
 }
 
 pub struct Rapier;
@@ -126,6 +134,12 @@ impl Engine for Rapier {
     fn damp(app: &mut App, body: Entity, rate: f32) {
         let damping = bevy_rapier3d::prelude::Damping { linear_damping: rate, angular_damping: rate };
         app.world_mut().entity_mut(body).insert(damping);
+    }
+
+    fn lock(app: &mut App, body: Entity) {
+        use bevy_rapier3d::prelude::*;
+        let axes = LockedAxes::ROTATION_LOCKED | LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
+        app.world_mut().entity_mut(body).insert(axes);
     }
 }
 

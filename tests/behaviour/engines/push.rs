@@ -13,6 +13,7 @@ with_engines! {
     a_ball_comes_to_rest_on_a_trampoline
     nothing_passes_a_ball_that_is_fast
     frame_rate_does_not_change_how_they_move
+    a_body_leaves_no_axis_that_is_locked
 }
 
 const RADIUS: f32 = 0.12;
@@ -163,4 +164,36 @@ fn frame_rate_does_not_change_how_they_move<E: Engine>() {
     };
     let [one, four] = [1, 4].map(fly);
     assert!(one.distance(four) < 1e-4, "{one} and {four}");
+}
+
+fn a_body_leaves_no_axis_that_is_locked<E: Engine>() {
+    // A crate that meets a slope of cloth off its middle.
+    let motion = |is_locked: bool| {
+        let mut app = E::app();
+        E::set_gravity(&mut app, Vec3::ZERO);
+        let slope = Transform::from_rotation(Quat::from_rotation_z(0.5) * Quat::from_rotation_x(0.3));
+        let cloth = flat(Vec2::ONE, [16; 2], Fabric::CANVAS, Vec3::ZERO);
+        app.world_mut().spawn((cloth, Pins::corners())).insert(slope);
+        let at = Transform::from_xyz(0.1, 0.3, 0.05);
+        let body = E::spawn(&mut app, Form::Cuboid(Vec3::new(0.1, 0.2, 0.15)), Some(0.3), at);
+        if is_locked {
+            E::lock(&mut app, body);
+        }
+        run(&mut app, 4);
+        E::set_velocity(&mut app, body, Vec3::NEG_Y * 2.0);
+        let mut touched = 0;
+        for _ in 0..48 {
+            app.update();
+            touched += u32::from(get::<ClothPush>(&app, body).cloths > 0);
+        }
+        assert!(touched > 0, "it met nothing");
+        let now = *get::<Transform>(&app, body);
+        let aside = (now.translation - at.translation).with_y(0.0).length();
+        (aside, now.rotation.angle_between(at.rotation), E::velocity(&app, body))
+    };
+    let (aside, turned, _) = motion(false);
+    assert!(aside > 0.01 && turned > 0.1, "free it goes {aside} m aside and turns by {turned} rad");
+    let (aside, turned, velocity) = motion(true);
+    assert!(aside < 1e-6 && turned < 1e-3, "locked it goes {aside} m aside and turns by {turned} rad");
+    assert!(velocity.with_y(0.0).length() < 1e-6 && velocity.y > -1.0, "{velocity} m/s");
 }

@@ -118,6 +118,11 @@ impl Watch {
         self.patience = 0.0;
     }
 
+    /// Where a particle is expected to be now, less the drift, m.
+    fn path(&self, slot: usize) -> Vec3 {
+        self.from.get(slot) + self.velocity.get(slot) * self.elapsed.min(self.until[slot])
+    }
+
     /// Finds where particles, now at `starts` less the drift, would be if they all went on until the last path ends, and how far they may
     /// be off the straight way there if each stops where its own path ends. Only places at one time say how triangles lie. `h` is the
     /// length of the substep at hand.
@@ -126,7 +131,7 @@ impl Watch {
         let part = h / (latest - self.elapsed + h);
         for slot in 0..self.until.len() {
             let way = self.velocity.get(slot) * (latest - self.until[slot]);
-            let path = self.from.get(slot) + self.velocity.get(slot) * self.elapsed.min(self.until[slot]);
+            let path = self.path(slot);
             self.last[slot] = self.later[slot] + Vec3A::from(way);
             let between = (starts[slot] + shift).lerp(self.last[slot], part);
             self.room[slot] = self.reach[slot] + way.length() + between.distance(path.into());
@@ -153,8 +158,7 @@ impl Watch {
     /// Finds which particles have left their paths. `false` if so many patches have lost particles that one better looks at all.
     fn find_left(&mut self, position: &Soa3) -> bool {
         for slot in 0..self.reach.len() {
-            let path = self.from.get(slot) + self.velocity.get(slot) * self.elapsed.min(self.until[slot]);
-            let off = position.get(slot) - self.drifted - path;
+            let off = position.get(slot) - self.drifted - self.path(slot);
             let reach = NEARLY * self.reach[slot];
             // Negated, so that what is not a number has left.
             self.has_left[slot] = !(off.length_squared() <= reach * reach && reach >= 0.0);
@@ -252,7 +256,7 @@ impl State {
                 let around = Vec3A::splat(watch.reach[slot] + surfaces.half_distance(slot));
                 watch.bounds[slot] = Bounds { min: from.min(to).min(on) - around, max: from.max(to).max(on) + around };
             }
-            let path = watch.from.get(slot) + watch.velocity.get(slot) * watch.elapsed.min(watch.until[slot]);
+            let path = watch.path(slot);
             pairs.expect(
                 slot,
                 Expected {

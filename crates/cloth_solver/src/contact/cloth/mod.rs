@@ -15,6 +15,7 @@ mod candidates;
 mod cut;
 mod detect;
 mod features;
+mod flat;
 mod group;
 mod hierarchy;
 mod nearest;

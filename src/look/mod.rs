@@ -4,6 +4,7 @@ mod cubemap;
 mod panel;
 mod sky;
 
+use bevy::asset::AssetEventSystems;
 use bevy::camera::{Exposure, Hdr};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{CascadeShadowConfigBuilder, Skybox};
@@ -42,13 +43,18 @@ pub struct LookPlugin;
 impl Plugin for LookPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<View>()
-            .init_resource::<Painted>()
             .insert_resource(ClearColor(Color::BLACK))
             .insert_resource(GlobalAmbientLight::NONE)
             .add_inspector_section("Scene", true, panel::show)
-            .add_systems(Startup, spawn_sun)
-            .add_systems(PostUpdate, show.run_if(is_due));
+            .add_systems(Startup, spawn_sun);
+        paint(app);
     }
+}
+
+/// Paints light and sky whenever that is due.
+fn paint(app: &mut App) {
+    // Before it is told what images are new: told a frame late, that frame would have no light.
+    app.init_resource::<Painted>().add_systems(PostUpdate, show.run_if(is_due).before(AssetEventSystems));
 }
 
 /// When the sky was painted, s of real time, and whether coarsely.
@@ -186,16 +192,35 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
     use std::time::Duration;
 
-    #[test]
-    fn the_sky_is_painted_coarsely_while_it_is_changed_and_then_finely() {
+    fn app() -> (App, Entity) {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, AssetPlugin::default()))
             .init_asset::<Image>()
             .init_resource::<View>()
-            .init_resource::<Painted>()
-            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(50)))
-            .add_systems(PostUpdate, show.run_if(is_due));
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(50)));
+        paint(&mut app);
         let camera = app.world_mut().spawn(eyes()).id();
+        (app, camera)
+    }
+
+    #[test]
+    fn the_light_of_a_changed_sky_is_there_in_the_same_frame() {
+        let (mut app, camera) = app();
+        for hour in [9.0, 12.0] {
+            app.world_mut().resource_mut::<View>().0.hour = hour;
+            app.world_mut().resource_mut::<Messages<AssetEvent<Image>>>().clear();
+            app.update();
+            let told: Vec<_> = app.world_mut().resource_mut::<Messages<AssetEvent<Image>>>().drain().collect();
+            let light = app.world().get::<EnvironmentMapLight>(camera).unwrap();
+            for map in [&light.diffuse_map, &light.specular_map] {
+                assert!(told.contains(&AssetEvent::Added { id: map.id() }), "at {hour} h");
+            }
+        }
+    }
+
+    #[test]
+    fn the_sky_is_painted_coarsely_while_it_is_changed_and_then_finely() {
+        let (mut app, camera) = app();
         let edge = |app: &App| {
             let image = app.world().get::<Skybox>(camera).unwrap().image.as_ref().unwrap();
             app.world().resource::<Assets<Image>>().get(image).unwrap().width()

@@ -217,15 +217,36 @@ impl Pace {
         true
     }
 
-    /// Takes back that a substep was accepted, because a cloth that steps together with this one has to repeat it; `before` is what
-    /// it was before.
+    /// Takes back what a substep was judged to be like, because this cloth or one that steps together with it has to repeat it; `before`
+    /// is what it was before. What is asked for that substep stays.
     pub fn repeat(&mut self, before: Self) {
-        let Self { asked, taken, .. } = *self;
-        *self = Self { asked, taken, ..before };
+        let Self { asked, taken, implicit, .. } = *self;
+        *self = Self { asked, taken, implicit: implicit || before.implicit, ..before };
     }
 
     /// Substeps taken in this tick so far, those that were repeated included.
     pub fn taken(&self) -> u32 {
         self.taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cloth_that_moves_too_fast_for_the_shortest_substep_does_not_repeat_it_for_ever_beside_another() {
+        let (tick, wild) = (Tick::new(1.0 / 60.0), Effort { motion: 10.0, ..Effort::default() });
+        let mut pace = Pace::default();
+        pace.begin(&tick, 0.0);
+        while let Some(sub) = pace.substep(&tick) {
+            // The other cloth takes each substep as it is.
+            let before = pace;
+            if !pace.accept(&tick, &sub, &wild) {
+                pace.repeat(before);
+            }
+            assert!(pace.taken() < 200, "it repeats {sub:?}");
+        }
+        assert!(pace.taken() >= tick.most);
     }
 }

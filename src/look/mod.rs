@@ -53,9 +53,15 @@ impl Plugin for LookPlugin {
 
 /// Paints light and sky whenever that is due.
 fn paint(app: &mut App) {
-    // Before it is told what images are new: told a frame late, that frame would have no light.
-    app.init_resource::<Painted>().add_systems(PostUpdate, show.run_if(is_due).before(AssetEventSystems));
+    app.init_resource::<Painted>()
+        .init_resource::<Next>()
+        .add_systems(PostUpdate, (show, paint_next.run_if(is_due)).chain().before(AssetEventSystems));
 }
+
+/// What was painted in the last frame. The renderer looks for the images of a camera's light before it takes up those that are new: shown
+/// in the frame they are told in, they would not be there yet, and nothing that they light would be drawn.
+#[derive(Resource, Default)]
+struct Next(Option<(Skybox, EnvironmentMapLight, Exposure, Option<DistanceFog>)>);
 
 /// When the sky was painted, s of real time, and whether coarsely.
 #[derive(Resource, Clone, Copy, Debug, Default)]
@@ -120,14 +126,27 @@ fn spawn_sun(mut commands: Commands) {
     ));
 }
 
-/// Paints sky and light anew.
-fn show(
+/// Shows what was painted in the last frame, if anything was.
+fn show(mut next: ResMut<Next>, cameras: Query<Entity, With<Seeing>>, mut commands: Commands) {
+    let Some((sky, light, exposure, haze)) = next.0.take() else { return };
+    for camera in &cameras {
+        let mut camera = commands.entity(camera);
+        camera.insert((sky.clone(), light.clone(), exposure));
+        match &haze {
+            Some(haze) => camera.insert(haze.clone()),
+            None => camera.remove::<DistanceFog>(),
+        };
+    }
+}
+
+/// Paints sky and light anew, for the next frame.
+fn paint_next(
     view: Res<View>,
-    cameras: Query<Entity, With<Seeing>>,
     mut suns: Query<(&mut DirectionalLight, &mut Transform), With<Sun>>,
     mut images: ResMut<Assets<Image>>,
-    (mut painted, time): (ResMut<Painted>, Res<Time<Real>>),
-    mut commands: Commands,
+    mut painted: ResMut<Painted>,
+    mut next: ResMut<Next>,
+    time: Res<Time<Real>>,
 ) {
     *painted = Painted { at: Some(time.elapsed_secs_f64()), is_coarse: painted.lately(&time) };
     let view = &view.0;
@@ -151,26 +170,14 @@ fn show(
     let haze =
         sky.seen(Vec3::new(0.0, 0.0, -1.0)).lerp(sky.horizon, if view.setting == Setting::Meadow { 0.0 } else { 0.5 });
     let haze = if view.setting == Setting::Studio { sky.seen(Vec3::NEG_Z) } else { haze } * brighter;
-    for camera in &cameras {
-        commands.entity(camera).insert((
-            Skybox { image: Some(seen.clone()), brightness: WHITE, ..default() },
-            EnvironmentMapLight {
-                diffuse_map: diffuse_map.clone(),
-                specular_map: specular_map.clone(),
-                intensity: WHITE,
-                ..default()
-            },
-            Exposure { ev100: Exposure::EV100_BLENDER - view.exposure },
-        ));
-        match fade {
-            Some((start, end)) => commands.entity(camera).insert(DistanceFog {
-                color: Color::linear_rgb(haze.x, haze.y, haze.z),
-                falloff: FogFalloff::Linear { start, end },
-                ..default()
-            }),
-            None => commands.entity(camera).remove::<DistanceFog>(),
-        };
-    }
+    let haze = fade.map(|(start, end)| DistanceFog {
+        color: Color::linear_rgb(haze.x, haze.y, haze.z),
+        falloff: FogFalloff::Linear { start, end },
+        ..default()
+    });
+    let sky = Skybox { image: Some(seen), brightness: WHITE, ..default() };
+    let light = EnvironmentMapLight { diffuse_map, specular_map, intensity: WHITE, ..default() };
+    next.0 = Some((sky, light, Exposure { ev100: Exposure::EV100_BLENDER - view.exposure }, haze));
 }
 
 /// The one light that throws shadows: direction towards it, colour and strength.
@@ -203,18 +210,28 @@ mod tests {
         (app, camera)
     }
 
+    fn told(app: &mut App) -> Vec<AssetId<Image>> {
+        let mut told = app.world_mut().resource_mut::<Messages<AssetEvent<Image>>>();
+        told.drain().filter_map(|told| if let AssetEvent::Added { id } = told { Some(id) } else { None }).collect()
+    }
+
     #[test]
-    fn the_light_of_a_changed_sky_is_there_in_the_same_frame() {
+    fn a_changed_sky_is_shown_once_the_renderer_has_its_images_and_the_old_one_until_then() {
         let (mut app, camera) = app();
+        let images = |app: &App| {
+            let camera = app.world().entity(camera);
+            let (sky, light) = (camera.get::<Skybox>()?.image.as_ref()?, camera.get::<EnvironmentMapLight>()?);
+            Some([sky, &light.diffuse_map, &light.specular_map].map(Handle::id))
+        };
         for hour in [9.0, 12.0] {
+            let old = images(&app);
             app.world_mut().resource_mut::<View>().0.hour = hour;
-            app.world_mut().resource_mut::<Messages<AssetEvent<Image>>>().clear();
             app.update();
-            let told: Vec<_> = app.world_mut().resource_mut::<Messages<AssetEvent<Image>>>().drain().collect();
-            let light = app.world().get::<EnvironmentMapLight>(camera).unwrap();
-            for map in [&light.diffuse_map, &light.specular_map] {
-                assert!(told.contains(&AssetEvent::Added { id: map.id() }), "at {hour} h");
-            }
+            assert_eq!(images(&app), old, "at {hour} h");
+            let told = told(&mut app);
+            app.update();
+            let new = images(&app).expect("a sky");
+            assert!(Some(new) != old && new.iter().all(|image| told.contains(image)), "at {hour} h");
         }
     }
 
@@ -226,9 +243,11 @@ mod tests {
             app.world().resource::<Assets<Image>>().get(image).unwrap().width()
         };
         app.update();
+        app.update();
         assert_eq!(edge(&app), FACES.0, "at once where it is new");
         for hour in [9.0, 9.1, 9.2] {
             app.world_mut().resource_mut::<View>().0.hour = hour;
+            app.update();
             app.update();
             assert_eq!(edge(&app), FACES.0 / COARSER, "at {hour} h");
         }

@@ -37,10 +37,10 @@ impl Tick {
 
     /// Its first substep, for cloth that moved before, if it is a quiet tick.
     pub fn first(&self) -> Substep {
-        let count = self.range()[0];
-        let h = self.dt / count;
+        let [count, most] = self.range();
+        let (h, shortest) = (self.dt / count, self.dt / most);
         let iterations = self.iterations.max(1);
-        Substep { h, kick: h, longest: h, start: 0.0, end: 1.0 / count, implicit: false, iterations }
+        Substep { h, kick: h, longest: h, shortest, start: 0.0, end: 1.0 / count, implicit: false, iterations }
     }
 
     /// The least and the largest number of substeps.
@@ -61,6 +61,8 @@ pub struct Substep {
     /// The longest that a substep of this tick may be, s. Forces are smoothed for this length, whatever that of the substep is,
     /// so that the fabric does not become stiffer and softer again with the number of substeps.
     pub longest: f32,
+    /// The shortest that a substep of this tick may be, s.
+    pub shortest: f32,
     /// Where in the tick it starts, 0..1.
     pub start: f32,
     /// Where in the tick it ends, 0..=1; exactly 1 in the last.
@@ -181,8 +183,8 @@ impl Pace {
         // Not the shortest that this tick takes: a change of stiffness adds energy or takes some.
         let longest = (tick.dt / floor).max(h);
         let kick = 0.5 * (h + self.last);
-        let (longest, iterations) = (longest.max(h), tick.iterations.max(1));
-        Some(Substep { h, kick, longest, start: self.at, end, implicit: self.implicit, iterations })
+        let (longest, shortest, iterations) = (longest.max(h), tick.dt / tick.range()[1], tick.iterations.max(1));
+        Some(Substep { h, kick, longest, shortest, start: self.at, end, implicit: self.implicit, iterations })
     }
 
     /// Takes note of what `sub` was like. `false` if it has to be repeated, being too long.

@@ -4,6 +4,8 @@ use crate::common::damage::blade;
 use crate::common::*;
 use cloth_solver::{Fabric, measure};
 use glam::{DVec3, Quat, Vec3};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 #[test]
 fn cloth_falls_by_half_g_t_squared_whatever_its_stiffness() {
@@ -158,4 +160,45 @@ fn cloth_pulled_along_within_its_own_plane_stays_in_it() {
     let mut cloth = jolted(10, Vec3::X * 0.02);
     run(&mut cloth, 2.0);
     assert!(positions(&cloth).iter().all(|x| x.z == 0.0));
+}
+
+#[test]
+fn paper_thrown_on_the_ground_gains_no_energy() {
+    // Its shear is stiffer than the most substeps of a tick resolve.
+    for (size, cells, turn, velocity) in [
+        ([1.028_387, 0.633_369], [23, 28], [-0.304_566, 0.490_572, -2.601_702], [-0.197_607, -3.458_348, 1.041_765]),
+        ([0.729_332, 0.907_617], [28, 29], [0.789_726, -2.008_306, -1.981_879], [0.336_27, -4.467_01, -2.492_398]),
+        ([0.680_201, 0.946_75], [31, 31], [-1.962_148, 1.746_445, -0.471_163], [0.674_602, -2.844_819, 1.612_654]),
+    ] {
+        let sheet = rectangle(size[0], size[1], cells[0], cells[1], &Fabric::PAPER);
+        let gain = gain_of_thrown(sheet, turn, velocity);
+        assert!(gain < 1e-3, "{cells:?} cells gain {gain} of their energy");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_sheet_of_any_fabric_thrown_on_the_ground_gains_no_energy(
+        preset in 0..Fabric::PRESETS.len(), size in [0.3_f32..1.3, 0.3_f32..1.3], cells in [8_u32..40, 8_u32..40], is_mesh in any::<bool>(),
+        turn in [-3.0_f32..3.0, -3.0_f32..3.0, -3.0_f32..3.0], velocity in [-3.0_f32..3.0, -5.0_f32..1.0, -3.0_f32..3.0],
+    ) {
+        let fabric = Fabric::PRESETS[preset].1;
+        let sheet = if is_mesh { irregular_mesh(size.into(), cells, &fabric) } else { rectangle(size[0], size[1], cells[0], cells[1], &fabric) };
+        let gain = gain_of_thrown(sheet, turn, velocity);
+        prop_assert!(gain < 1e-3, "{} of its energy", gain);
+    }
+}
+
+#[test]
+fn a_scrap_of_paper_held_by_two_corners_rests_in_its_plane() {
+    // Rows that swing against each other within the plane are nothing but shear.
+    for (width, height, columns, rows) in [(0.108, 0.032, 2, 3), (0.108, 0.032, 2, 6), (0.2, 0.032, 4, 3)] {
+        let mut cloth = rectangle(width, height, columns, rows, &Fabric { damping: 0.0, ..Fabric::PAPER });
+        pin_top(&mut cloth, [0, columns]);
+        run(&mut cloth, 20.0);
+        let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
+        assert!(speed < 0.03, "{columns}×{rows} cells: {speed} m/s");
+    }
 }

@@ -375,7 +375,8 @@ mod tests {
             let (topology, mut particles) = bent(curved);
             let mut bending = Bending::new(&topology, &FABRIC).expect("a fabric that bends");
             let h = 1.0 / 600.0;
-            let sub = Substep { h, kick: h, longest: h, start: 0.0, end: 1.0, implicit: false, iterations: 1 };
+            let sub =
+                Substep { h, kick: h, longest: h, shortest: h, start: 0.0, end: 1.0, implicit: false, iterations: 1 };
             for _ in 0..3 {
                 dispatch!(*LEVEL, simd => bending.push(simd, &mut particles, &sub));
             }

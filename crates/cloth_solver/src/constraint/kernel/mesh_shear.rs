@@ -10,6 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use crate::batch::{Batches, Packed, gather4, pack, scatter4};
+use crate::constraint::kernel::shear::STIFFEST;
 use crate::constraint::kernel::triangles::shear_gradient;
 use crate::constraint::wear::Wear;
 use crate::lanes::{LANES, Vec3x8, splat};
@@ -123,7 +124,7 @@ impl MeshShear {
     pub fn push<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) {
         let square = sub.longest * sub.longest;
         pack(&particles.position, &particles.inverse_mass, &mut self.position);
-        self.fastest = self.begin(simd, square) / square;
+        self.fastest = self.begin(simd, square, STIFFEST * square / (sub.shortest * sub.shortest)) / square;
         let filter = 1.0 / FASTEST - 1.0 / (self.fastest * square);
         if filter > 0.0 {
             self.iterate(simd, filter);
@@ -141,9 +142,10 @@ impl MeshShear {
         }
     }
 
-    /// C and ∇C of every triangle where the particles are; ω² H² of the fastest wave is no more than what is returned.
+    /// C and ∇C of every triangle where the particles are, none alone stiffer at rest than ω² H² = `stiffest`; that of the fastest wave is
+    /// no more than what is returned.
     #[inline(always)]
-    fn begin<S: Simd>(&mut self, simd: S, square: f32) -> f32 {
+    fn begin<S: Simd>(&mut self, simd: S, square: f32, stiffest: f32) -> f32 {
         let tiny = splat(simd, f32::MIN_POSITIVE);
         let mut fastest = splat(simd, 0.0);
         for (eight, [a, b, c]) in self.eights.iter_mut().zip(&self.batches.groups) {
@@ -160,7 +162,11 @@ impl MeshShear {
                 + w_b * gradient[1].dot(gradient[1])
                 + w_c * gradient[2].dot(gradient[2]);
             let stiffness = f32x8::simd_from(simd, eight.stiffness) * f32x8::simd_from(simd, eight.worn);
-            let compliance = splat(simd, 1.0) / (stiffness * splat(simd, square)).max(tiny);
+            let at_rest = w_a * ((m[0] + m[1]) * (m[0] + m[1]) + (m[2] + m[3]) * (m[2] + m[3]))
+                + w_b * (m[0] * m[0] + m[2] * m[2])
+                + w_c * (m[1] * m[1] + m[3] * m[3]);
+            let least = at_rest * splat(simd, 1.0 / stiffest);
+            let compliance = (splat(simd, 1.0) / (stiffness * splat(simd, square)).max(tiny)).max(least);
             // Of a dozen triangles at a particle at most so many pull the same way.
             fastest = fastest.max(weight / compliance * splat(simd, MEET));
             for i in 0..3 {

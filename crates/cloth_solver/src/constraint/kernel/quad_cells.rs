@@ -10,7 +10,7 @@ use fearless_simd::{Simd, f32x8};
 
 use crate::Soa3;
 use crate::constraint::kernel::plan::Plan;
-use crate::constraint::kernel::shear::{FASTEST, relief};
+use crate::constraint::kernel::shear::{FASTEST, STIFFEST, relief};
 use crate::lanes::{LANES, Vec3x8, load, splat, store};
 use crate::topology::{FADING, QuadsRest};
 
@@ -25,7 +25,8 @@ pub(in crate::constraint) struct QuadCells {
     /// 1/2a and 1/2b, 1/m.
     half: [Vec<f32>; 2],
     shear: Vec<f32>,
-    /// √(G A), and over a and b.
+    /// √(G A), and as soft as the shortest substep asks for; that over a and b.
+    whole_root: Vec<f32>,
     root: Vec<f32>,
     over: [Vec<f32>; 2],
     /// That over a, eight rows in lanes.
@@ -36,8 +37,11 @@ pub(in crate::constraint) struct QuadCells {
     skew: [Vec<f32>; 2],
     curl: Vec<f32>,
     fading: Vec<f32>,
-    /// ω² of the fastest wave of shear, 1/s².
+    /// ω² of the fastest wave of shear of each cell, and of all, 1/s².
+    waves: Vec<f32>,
     fastest: f32,
+    /// The shortest substep that they are soft enough for, s.
+    shortest: f32,
     /// Whether any cell is a trapezium or a saddle.
     is_skew: bool,
     /// √(G A) H C of each cell, smoothed.
@@ -79,10 +83,8 @@ impl QuadCells {
         let cell = |slot: usize| &rest.cells[slot];
         let root = of(&|slot| (shear * cell(slot).area as f32 * worn(slot)).sqrt());
         let half = [of(&|slot| 0.5 / cell(slot).size.x as f32), of(&|slot| 0.5 / cell(slot).size.y as f32)];
-        let over =
-            half.each_ref().map(|half| root.iter().zip(half).map(|(root, half)| 2.0 * root * half).collect::<Vec<_>>());
         let lightest = |slot: usize| corners(slot).into_iter().map(&mass).fold(f32::INFINITY, f32::min);
-        let fastest = (0..rest.cells.len()).filter(|slot| cell(*slot).area > 0.0).map(|slot| {
+        let waves = of(&|slot| {
             let size = cell(slot).size.as_vec2();
             4.0 * shear * cell(slot).area as f32 * (size * size).recip().element_sum() / lightest(slot)
         });
@@ -94,13 +96,16 @@ impl QuadCells {
         Self {
             plan,
             shear: of(&|slot| cell(slot).shear as f32),
-            over_rows: plan.lanes(&over[0], (plan.rows - 1).max(1)),
+            over: half.each_ref().map(|_| Vec::new()),
+            over_rows: Vec::new(),
             twist: of(&|slot| 2.0 * twist * worn(slot) / cell(slot).area as f32),
             most_twist: of(&|slot| FASTEST_TWIST * lightest(slot)),
             skew: [of(&|slot| cell(slot).skew.x as f32), of(&|slot| cell(slot).skew.y as f32)],
             curl: of(&|slot| cell(slot).twist as f32),
             fading: of(&|slot| fading(2.0 * cell(slot).area)),
-            fastest: fastest.fold(0.0, f32::max),
+            fastest: waves.iter().copied().fold(0.0, f32::max),
+            waves,
+            shortest: 0.0,
             is_skew: (0..rest.cells.len()).any(|slot| cell(slot).area > 0.0 && is_skew(slot)),
             stress: vec![0.0; plan.len()],
             lines: [vec![0.0; line], vec![0.0; line], vec![0.0; line]],
@@ -108,9 +113,23 @@ impl QuadCells {
             ring: vec![0.0; line],
             rows: [(); 2].map(|()| CellRow { a: row(), b: row(), s: row() }),
             half,
-            root,
-            over,
+            root: Vec::new(),
+            whole_root: root,
         }
+    }
+
+    /// Makes cells as soft as substeps of `shortest`, s, resolve: see [`STIFFEST`].
+    pub fn soften(&mut self, shortest: f32) {
+        if shortest == self.shortest {
+            return;
+        }
+        self.shortest = shortest;
+        let stiffest = STIFFEST / (shortest * shortest);
+        let soft = |(root, wave): (&f32, &f32)| root * (stiffest / wave.max(stiffest)).sqrt();
+        self.root = self.whole_root.iter().zip(&self.waves).map(soft).collect();
+        let over = |half: &Vec<f32>| self.root.iter().zip(half).map(|(root, half)| 2.0 * root * half).collect();
+        self.over = self.half.each_ref().map(over);
+        self.over_rows = self.plan.lanes(&self.over[0], (self.plan.rows - 1).max(1));
     }
 
     /// ω² H² of the fastest wave of shear, unsmoothed.
@@ -118,7 +137,8 @@ impl QuadCells {
         self.fastest * square
     }
 
-    /// Finds the stress of every cell at `position`, for substeps of that square of their length; `inverse_mass` with a margin, too.
+    /// Finds the stress of every cell at `position`, for substeps of that square of their length; `inverse_mass` with a margin, too. After
+    /// [`Self::soften`].
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, position: &Soa3, inverse_mass: &[f32], square: f32) {
         let Plan { rows, across, pitch, closed, .. } = self.plan;
@@ -132,7 +152,7 @@ impl QuadCells {
                 store(strain * load(simd, &self.root, at) * scale * relief(simd, u, v), &mut self.stress, at);
             }
         }
-        let fastest = self.fastest(square);
+        let fastest = self.fastest(square).min(STIFFEST * square / (self.shortest * self.shortest));
         let share = 1.0 / FASTEST - 1.0 / fastest;
         if share <= 0.0 || fastest <= 0.0 {
             return;

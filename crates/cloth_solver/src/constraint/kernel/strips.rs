@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use crate::batch::{Packed, gather4, pack, scatter4, unpack};
-use crate::constraint::kernel::lines::{How, Met, OVER_RELAXATION, target};
+use crate::constraint::kernel::lines::{How, Met, target};
 use crate::constraint::kernel::links::GONE;
 use crate::constraint::kernel::waves::Waves;
 use crate::constraint::tension::Tensions;
@@ -338,7 +338,7 @@ impl Eight {
             let lambda = if FIRST {
                 delta
             } else {
-                delta *= splat(simd, OVER_RELAXATION);
+                delta *= splat(simd, how.relaxation);
                 load(simd, multipliers, k * LANES) + delta
             };
             store(lambda, multipliers, k * LANES);

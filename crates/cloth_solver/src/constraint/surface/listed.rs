@@ -138,7 +138,18 @@ impl Listed {
         }
     }
 
-    /// A pass over the stretch of each thread; the first of a substep after bending.
+    /// Bending of each thread.
+    #[inline(always)]
+    pub fn bend<S: Simd>(&self, simd: S, particles: &mut Particles, stiffness: Stiffness, work: &mut Work) {
+        let Some(bend) = stiffness.bend(simd, splat(simd, 1.0)) else { return };
+        self.gather(simd, particles, work);
+        let worn = Worn::new(&self.compliance, &self.rest);
+        let Work { position, moved, inverse_mass, elimination } = &mut *work;
+        lines::bend(simd, self.block(stiffness.spacing), position, moved, inverse_mass, bend, worn, elimination);
+        self.scatter(simd, work, particles);
+    }
+
+    /// A pass over the stretch of each thread.
     #[inline(always)]
     pub fn solve<S: Simd, const FIRST: bool>(
         &mut self,
@@ -150,10 +161,7 @@ impl Listed {
         self.gather(simd, particles, work);
         let block = self.block(stiffness.spacing);
         let worn = Worn::new(&self.compliance, &self.rest);
-        let Work { position, moved, inverse_mass, elimination } = &mut *work;
-        if FIRST && let Some(bend) = stiffness.bend(simd, splat(simd, 1.0)) {
-            lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination);
-        }
+        let Work { position, moved, inverse_mass, .. } = &mut *work;
         let (compliance, found) = ((splat(simd, stiffness.stretch), stiffness.how), &mut self.found);
         let met =
             lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_mass, compliance, worn, found);

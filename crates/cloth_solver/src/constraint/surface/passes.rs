@@ -1,7 +1,7 @@
 //! How many passes over the lines a substep takes.
 
 use crate::Substep;
-use crate::constraint::kernel::lines::How;
+use crate::constraint::kernel::lines::{How, OVER_RELAXATION};
 
 /// Passes in a substep, unless they settle before, and most passes, where the last one still moved a particle further than [`CLOSE`].
 const PASSES: usize = 3;
@@ -45,12 +45,19 @@ pub(in crate::constraint) struct Passes {
 impl Passes {
     /// How the first pass of `sub` goes.
     pub const fn first(sub: &Substep) -> How {
-        How { implicit: sub.implicit, by_length: true }
+        How { implicit: sub.implicit, by_length: true, relaxation: 1.0 }
     }
 
     /// How the next pass of `sub` goes.
     pub fn how(&self, sub: &Substep) -> How {
-        How { implicit: sub.implicit, by_length: self.jammed == 0.0 }
+        How { implicit: sub.implicit, by_length: self.jammed == 0.0, relaxation: OVER_RELAXATION }
+    }
+
+    /// How the pass over the rows goes that ends `sub`, before which the largest square of the change of a link was `change`; none in faster
+    /// motion. With it rows and columns take turns in the same order from both ends. Otherwise what each leaves of the other, always
+    /// after the same one, feeds swings within the plane of stiff sheets.
+    pub fn last(&self, sub: &Substep, change: f32) -> Option<How> {
+        (change < QUIET * QUIET).then(|| How { relaxation: 1.0, ..self.how(sub) })
     }
 
     /// Takes note of the first pass of `sub`, before which the largest square of the change of a link was `change`, in rest lengths.

@@ -159,6 +159,21 @@ impl Patch {
         }
     }
 
+    /// Bending of the listed threads.
+    #[inline(always)]
+    pub fn bend<S: Simd>(
+        &self,
+        simd: S,
+        along: Along,
+        particles: &mut Particles,
+        stiffness: Stiffness,
+        work: &mut Work,
+    ) {
+        for block in &self.listed(along).blocks {
+            block.bend(simd, particles, stiffness, work);
+        }
+    }
+
     /// A pass over the stretch of the listed threads.
     #[inline(always)]
     pub fn solve<S: Simd, const FIRST: bool>(

@@ -205,6 +205,9 @@ impl QuadConstraints {
             met = rows.and(self.solve_columns::<S, false>(simd, particles, sub.square(), how));
             self.passes.done(rows.left.reduce_max(), met.shift.reduce_max());
         }
+        if let Some(how) = self.passes.last(sub, met.change.reduce_max()) {
+            self.solve_rows::<S, false>(simd, particles, sub.square(), how);
+        }
         Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt(), turned }
     }
 
@@ -216,6 +219,7 @@ impl QuadConstraints {
         self.plan.fill(inverse_mass, &mut self.inverse_mass);
         let lengths = (sub.longest * sub.longest, sub.share());
         if let Some(cells) = &mut self.cells {
+            cells.soften(sub.shortest);
             cells.find(simd, &self.position, &self.inverse_mass, lengths.0);
             cells.push(simd, &self.position, inverse_mass, moved, lengths);
         }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
 use cloth_solver::topology::{MeshSource, Resolution};
-use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology};
-use glam::{Quat, UVec2, Vec2, Vec3};
+use cloth_solver::{Cloth, Fabric, Motion, Pose, Tick, Topology, measure};
+use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
@@ -144,4 +144,24 @@ pub fn deepest_triangle(cloth: &Cloth) -> f32 {
         }
     }
     deepest
+}
+
+/// Throws a sheet that begins 1.2 m above the ground and is turned by Euler angles, rad. By how much its kinetic energy and its height
+/// together ever exceed what they began with, as a share of that.
+pub fn gain_of_thrown(mut cloth: Cloth, [x, y, z]: [f32; 3], velocity: [f32; 3]) -> f64 {
+    place(&mut cloth, Quat::from_euler(EulerRot::XYZ, x, y, z), Vec3::Y * 1.2);
+    for slot in 0..cloth.topology.slots() {
+        cloth.particles.velocity.set(slot, Vec3::from_array(velocity));
+    }
+    cloth.contacts.set_colliders([collider(Shape::HalfSpace, Vec3::ZERO, Quat::IDENTITY, 0.4)]);
+    let energy = |cloth: &Cloth| {
+        let height =
+            |(slot, mass): (usize, &f32)| f64::from(*mass) * 9.81 * f64::from(cloth.particles.position.get(slot).y);
+        measure::kinetic_energy(&cloth.particles) + cloth.particles.mass.iter().enumerate().map(height).sum::<f64>()
+    };
+    let began = energy(&cloth);
+    (0..60).fold(f64::MIN, |most, _| {
+        cloth.step(TICK, GRAVITY);
+        most.max(energy(&cloth) / began - 1.0)
+    })
 }

@@ -40,6 +40,8 @@ pub(in crate::constraint) struct How {
     /// Whether a later pass finds anew how long links are to be along their pulls. Without, what is left is a symmetric linear system,
     /// over which passes always converge; with it they may diverge in cloth that is near to jammed.
     pub by_length: bool,
+    /// How far a later pass goes, over what solves its own links: 1, or [`OVER_RELAXATION`].
+    pub relaxation: f32,
 }
 
 impl How {
@@ -296,7 +298,7 @@ pub(crate) fn stretch<S: Simd, L: Links, const FIRST: bool, const CLOSED: bool>(
     let mut pull_above = Vec3x8 { x: zero, y: zero, z: zero };
     if CLOSED {
         let link = block.link(count - 1);
-        let (lambda, delta) = gone_on::<S, FIRST>(simd, ring.last, &of.lambda, link);
+        let (lambda, delta) = gone_on::<S, FIRST>(simd, (ring.last, how.relaxation), &of.lambda, link);
         store(lambda, &mut of.lambda, link);
         pull_above = Vec3x8::load(simd, &of.pull, link) * delta;
         lambda_above = if L::VARIED { lambda * links.shorter(simd, count - 1) } else { lambda };
@@ -313,7 +315,7 @@ pub(crate) fn stretch<S: Simd, L: Links, const FIRST: bool, const CLOSED: bool>(
         if CLOSED {
             newton -= load(simd, &of.ring, link) * ring.last;
         }
-        let (lambda, delta) = gone_on::<S, FIRST>(simd, newton, &of.lambda, link);
+        let (lambda, delta) = gone_on::<S, FIRST>(simd, (newton, how.relaxation), &of.lambda, link);
         store(lambda, &mut of.lambda, link);
         if !FIRST {
             let left = (delta * w).abs();
@@ -377,12 +379,17 @@ fn pull_of<S: Simd>(
     (select(is_calm, before, normal), is_calm)
 }
 
-/// The multiplier of a link and what it changes by, if Newton's step is `newton`.
+/// The multiplier of a link and what it changes by: Newton's step, of which a later pass goes so many times as much.
 #[inline(always)]
-fn gone_on<S: Simd, const FIRST: bool>(simd: S, newton: f32x8<S>, lambda: &[f32], link: usize) -> (f32x8<S>, f32x8<S>) {
+fn gone_on<S: Simd, const FIRST: bool>(
+    simd: S,
+    (newton, relaxation): (f32x8<S>, f32),
+    lambda: &[f32],
+    link: usize,
+) -> (f32x8<S>, f32x8<S>) {
     if FIRST {
         return (newton, newton);
     }
-    let delta = newton * splat(simd, OVER_RELAXATION);
+    let delta = newton * splat(simd, relaxation);
     (load(simd, lambda, link) + delta, delta)
 }

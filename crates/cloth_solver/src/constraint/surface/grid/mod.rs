@@ -8,7 +8,7 @@ use fearless_simd::{Simd, f32x8};
 use crate::constraint::kernel::cells::{CellModel, CellRows, Cells, ShearModel};
 use crate::constraint::kernel::lines::{self, Bend, Elimination, How, Links8, Rows};
 use crate::constraint::kernel::links::{Block, Worn};
-use crate::constraint::kernel::shear::Stress;
+use crate::constraint::kernel::shear::{STIFFEST, Stress};
 use crate::constraint::kernel::sweep::Compliance;
 use crate::constraint::surface::force::Woven;
 use crate::constraint::surface::listed::Work;
@@ -297,6 +297,12 @@ impl GridConstraints {
     pub fn fastest_shear(&self, h: f32) -> f32 {
         let wave = self.fabric.shear * h * h / self.fabric.areal_density;
         4.0 * wave * (self.grid.spacing * self.grid.spacing).recip().element_sum()
+    }
+
+    /// The fabric's resistance to shear in `sub`, N/m: what even the most substeps of a tick leave too stiff is softer.
+    fn shear(&self, sub: &Substep) -> f32 {
+        let fastest = self.fastest_shear(sub.shortest);
+        self.fabric.shear * if fastest > STIFFEST { STIFFEST / fastest } else { 1.0 }
     }
 
     /// α̃ of the links along `along` in a substep of that [`Substep::square`], and their rest length.

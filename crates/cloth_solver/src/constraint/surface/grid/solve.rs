@@ -23,6 +23,14 @@ impl GridConstraints {
     pub fn solve<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) -> Effort {
         self.push_cells(simd, particles, sub);
         let mut stiffness = [self.stiffness(Along::Weft, sub), self.stiffness(Along::Warp, sub)];
+        // All forces before any row or column is solved exactly: what pushes after the rows, these would answer only in the next substep,
+        // and a pull that comes late feeds a swing.
+        self.bend_columns(simd, particles, stiffness[1]);
+        if let Some(patch) = &mut self.patch {
+            for along in [Along::Weft, Along::Warp] {
+                patch.bend(simd, along, particles, stiffness[along as usize], &mut self.work);
+            }
+        }
         let rows = self.solve_rows::<S, true>(simd, particles, stiffness[0]);
         let columns = self.solve_columns::<S, true>(simd, particles, stiffness[1]);
         let loads = [rows, columns].map(|met| met.load.reduce_max());
@@ -46,13 +54,17 @@ impl GridConstraints {
             // What this pass over the rows moved is what the columns before had left.
             self.passes.done(rows.left.reduce_max(), met.shift.reduce_max());
         }
+        if let Some(how) = self.passes.last(sub, met.change.reduce_max()) {
+            self.solve_rows::<S, false>(simd, particles, Stiffness { how, ..stiffness[0] });
+        }
         Effort { load: load / LARGEST_LOAD, mean_load, motion: met.change.reduce_max().sqrt(), turned }
     }
 
     /// Shear and twist, and whatever is no thread.
     #[inline(always)]
     fn push_cells<S: Simd>(&mut self, simd: S, particles: &mut Particles, sub: &Substep) {
-        let Fabric { shear, areal_density, .. } = self.fabric;
+        let Fabric { areal_density, .. } = self.fabric;
+        let shear = self.shear(sub);
         if shear > 0.0 {
             let sheet = Sheet { grid: &self.grid, mask: &self.cell_mask, shear, density: areal_density };
             self.stress.find(simd, sheet, &particles.position, &particles.inverse_mass, sub.longest);
@@ -79,6 +91,24 @@ impl GridConstraints {
         }
     }
 
+    /// Bending of the columns.
+    #[inline(always)]
+    fn bend_columns<S: Simd>(&mut self, simd: S, particles: &mut Particles, stiffness: Stiffness) {
+        for base in (0..self.grid.stride as usize).step_by(LANES) {
+            if !is_block(&self.patch, Along::Warp, base) {
+                continue;
+            }
+            let (block, width) = (column_block(&self.grid, base), load(simd, &self.column_width, base));
+            let Some(bend) = stiffness.bend(simd, width) else { return };
+            let Particles { position, moved, inverse_mass, .. } = &mut *particles;
+            let elimination = &mut self.rows.elimination;
+            match worn(&self.worn, Along::Warp, base, block) {
+                None => lines::bend(simd, block, position, moved, inverse_mass, bend, New, elimination),
+                Some(worn) => lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination),
+            }
+        }
+    }
+
     /// A pass along the weft; the first one after bending.
     #[inline(always)]
     fn solve_rows<S: Simd, const FIRST: bool>(
@@ -99,8 +129,14 @@ impl GridConstraints {
             gather(simd, &particles.moved, moved, block.base, rows, first);
             let worn = worn(&self.worn, Along::Weft, first, block);
             let RowLanes { position, moved, inverse_mass, elimination } = &mut self.rows;
+            if FIRST && let Some(bend) = stiffness.bend(simd, width) {
+                match worn {
+                    None => lines::bend(simd, block, position, moved, inverse_mass, bend, New, elimination),
+                    Some(worn) => lines::bend(simd, block, position, moved, inverse_mass, bend, worn, elimination),
+                }
+            }
             let on = On { block, position, moved, inverse_mass };
-            met = met.and(on.pass::<S, FIRST>(simd, stiffness, width, worn, &mut self.weft, elimination));
+            met = met.and(on.stretch::<S, FIRST>(simd, stiffness, width, worn, &mut self.weft));
             scatter(simd, moved, block.base, &mut particles.moved, rows, first);
         }
         match &mut self.patch {
@@ -109,7 +145,7 @@ impl GridConstraints {
         }
     }
 
-    /// A pass along the warp; the first one after bending.
+    /// A pass along the warp.
     #[inline(always)]
     fn solve_columns<S: Simd, const FIRST: bool>(
         &mut self,
@@ -126,8 +162,7 @@ impl GridConstraints {
             let worn = worn(&self.worn, Along::Warp, base, block);
             let Particles { position, moved, inverse_mass, .. } = &mut *particles;
             let on = On { block, position, moved, inverse_mass };
-            let elimination = &mut self.rows.elimination;
-            met = met.and(on.pass::<S, FIRST>(simd, stiffness, width, worn, &mut self.warp, elimination));
+            met = met.and(on.stretch::<S, FIRST>(simd, stiffness, width, worn, &mut self.warp));
         }
         match &mut self.patch {
             Some(patch) => met.and(patch.solve::<S, FIRST>(simd, Along::Warp, particles, stiffness, &mut self.work)),
@@ -184,39 +219,30 @@ struct On<'a> {
 
 impl On<'_> {
     #[inline(always)]
-    fn pass<S: Simd, const FIRST: bool>(
+    fn stretch<S: Simd, const FIRST: bool>(
         self,
         simd: S,
         stiffness: Stiffness,
         width: f32x8<S>,
         worn: Option<Worn<'_>>,
         links: &mut lines::Links8,
-        work: &mut lines::Elimination,
     ) -> Met<S> {
         let Self { block, position, moved, inverse_mass } = self;
         let compliance = (splat(simd, stiffness.stretch) / width, stiffness.how);
         match worn {
             None => {
-                if FIRST && let Some(bend) = stiffness.bend(simd, width) {
-                    lines::bend(simd, block, position, moved, inverse_mass, bend, New, work);
-                }
                 lines::stretch::<S, _, FIRST, false>(simd, block, position, moved, inverse_mass, compliance, New, links)
             }
-            Some(worn) => {
-                if FIRST && let Some(bend) = stiffness.bend(simd, width) {
-                    lines::bend(simd, block, position, moved, inverse_mass, bend, worn, work);
-                }
-                lines::stretch::<S, _, FIRST, false>(
-                    simd,
-                    block,
-                    position,
-                    moved,
-                    inverse_mass,
-                    compliance,
-                    worn,
-                    links,
-                )
-            }
+            Some(worn) => lines::stretch::<S, _, FIRST, false>(
+                simd,
+                block,
+                position,
+                moved,
+                inverse_mass,
+                compliance,
+                worn,
+                links,
+            ),
         }
     }
 }

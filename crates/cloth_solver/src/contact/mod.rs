@@ -14,6 +14,7 @@ mod body;
 mod cloth;
 mod contact_points;
 mod features;
+mod furrow;
 mod known_shape;
 mod near;
 mod near_mesh;

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::near::Part;
 use super::respond::{Answer, Eight, Found, meet};
-use super::{Shape, Surface, Touch, features};
+use super::{Shape, Surface, Touch, features, furrow};
 use crate::batch::gather3;
 use crate::lanes::{Frame, LANES, LEVEL, Vec3x8, load, splat, store};
 use crate::{Particles, Pose, Soa3};
@@ -153,6 +153,9 @@ impl Patch {
             if self.pushed <= answer.margin {
                 break;
             }
+        }
+        if let Some(mesh) = shape.mesh() {
+            furrow::settle(self, part, mesh, answer);
         }
         features::hold_back(self, part, shape, answer.margin);
         if let Some(mesh) = shape.mesh() {

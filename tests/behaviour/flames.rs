@@ -27,14 +27,20 @@ fn flames(app: &mut App) -> Vec<Entity> {
     app.world_mut().query_filtered::<Entity, With<PointLight>>().iter(app.world()).collect()
 }
 
-/// The corners of all flames, in the world.
+/// The corners of all flames, in the world, without smoke and sparks.
 fn corners(app: &App, flames: Entity) -> Vec<Vec3> {
     let mesh = app.world().resource::<Assets<Mesh>>().get(&get::<Mesh3d>(app, flames).0).expect("a mesh");
     let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION) else {
         panic!("no positions")
     };
+    let Some(VertexAttributeValues::Float32x4(colors)) = mesh.attribute(Mesh::ATTRIBUTE_COLOR) else {
+        panic!("no colours")
+    };
     let place = get::<GlobalTransform>(app, flames);
-    places.iter().map(|at| place.transform_point(Vec3::from_array(*at))).collect()
+    // Smoke hides more than it shines, sparks hide nothing.
+    let is_flame = |[red, _, _, alpha]: &[f32; 4]| *alpha > 0.0 && red > alpha;
+    let flames = places.iter().zip(colors).filter(|(_, color)| is_flame(color)).map(|(place, _)| place);
+    flames.map(|at| place.transform_point(Vec3::from_array(*at))).collect()
 }
 
 #[test]
@@ -72,6 +78,35 @@ fn flames_stand_above_the_fire_and_between_it_and_the_camera_whatever_the_place_
             assert!(normal.dot(view) > 0.99, "{normal} {view}");
         }
     }
+}
+
+/// How high above the middle of the cloth the highest is that rises from it, m; `None` if nothing does.
+fn rises(app: &mut App, cloth: Entity) -> Option<f32> {
+    let mut risen = app.world_mut().query::<(&Name, &ChildOf, &Mesh3d, &GlobalTransform)>();
+    let mut risen = risen.iter(app.world()).filter(|(name, of, ..)| name.as_str() == "flames" && of.parent() == cloth);
+    let (.., mesh, place) = risen.next()?;
+    let mesh = app.world().resource::<Assets<Mesh>>().get(&mesh.0).expect("a mesh");
+    let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute(Mesh::ATTRIBUTE_POSITION) else {
+        panic!("no positions")
+    };
+    let heights = places.iter().map(|at| place.transform_point(Vec3::from_array(*at)).y);
+    Some(heights.fold(f32::MIN, f32::max))
+}
+
+#[test]
+fn smoke_rises_above_the_flames_steam_where_water_meets_them_and_in_the_end_nothing_is_left() {
+    let (mut app, cloth) = staged(());
+    assert_eq!(rises(&mut app, cloth), None);
+    light(&mut app, cloth);
+    let lit = flames(&mut app)[0];
+    let highest = corners(&app, lit).iter().map(|at| at.y).fold(f32::MIN, f32::max);
+    assert!(rises(&mut app, cloth).expect("smoke") > highest + 0.2, "smoke above flames of {highest} m");
+    app.world_mut().trigger(WetCloth { entity: cloth, position: Vec3::ZERO, radius: 1.0, water: 0.2 });
+    run(&mut app, 3);
+    assert_eq!(flames(&mut app), []);
+    assert!(rises(&mut app, cloth).expect("steam") > 0.1);
+    run(&mut app, 3000);
+    assert_eq!(rises(&mut app, cloth), None, "cold by now");
 }
 
 #[test]

@@ -51,12 +51,10 @@ fn bits_after(app: &mut App, cloths: &[Entity]) -> Vec<Bits> {
     cloths.iter().map(|cloth| Bits::of(get::<Particles>(app, *cloth))).collect()
 }
 
-const COUNT: usize = 60;
-
 fn crowd(prepare: impl FnOnce(&mut App)) -> Vec<Bits> {
     let mut app = headless();
     prepare(&mut app);
-    let cloths: Vec<Entity> = (0..COUNT).map(|index| spawn(app.world_mut(), index)).collect();
+    let cloths: Vec<Entity> = (0..cases(20, 60)).map(|index| spawn(app.world_mut(), index)).collect();
     bits_after(&mut app, &cloths)
 }
 

@@ -24,6 +24,7 @@ use bevy_cloth::{
     Cloth, ClothColoring, ClothFlames, ClothLook, ClothPlugin, CutCloth, Flammable, IgniteCloth, Pattern, Pins,
     ResetCloth,
 };
+use cloth_cases::cases;
 
 const WIDTH: u32 = 320;
 const HEIGHT: u32 = 240;
@@ -93,7 +94,7 @@ fn flames_are_seen_and_light_the_cloth() {
 /// With pipelines compiled in the background, as games have them: what needs another pipeline is not drawn until that is there.
 #[test]
 fn cloth_is_seen_in_every_frame_whatever_happens_to_it() {
-    for look in [None, Some(ClothLook::velvet(Color::srgb(0.0, 0.6, 0.0)))] {
+    for look in [None, Some(ClothLook::velvet(Color::srgb(0.0, 0.6, 0.0)))].into_iter().skip(cases(1, 0)) {
         let mut studio = Studio::filmed(Pins::top());
         let world = studio.app.world_mut();
         let cloth = world.query_filtered::<Entity, With<Cloth>>().single(world).expect("a cloth");
@@ -130,7 +131,7 @@ fn cloth_is_seen_in_every_frame_whatever_happens_to_it() {
         ];
         for (what, happen) in happens {
             happen(studio.app.world_mut());
-            for (frame, picture) in studio.film(8).iter().enumerate() {
+            for (frame, picture) in studio.film(cases(4, 8)).iter().enumerate() {
                 let seen = picture.seen_share();
                 assert!(seen > 0.9, "{look:?}: when {what}, {seen} of it is seen in frame {frame} after that");
             }

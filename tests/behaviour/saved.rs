@@ -231,10 +231,10 @@ fn goes_on(seed: u64, happened: &mut Happened) {
 #[test]
 fn random_cloths_that_are_torn_cut_burnt_and_pulled_go_on_to_the_last_bit() {
     let mut happened = Happened::default();
-    (0..14).for_each(|seed| goes_on(seed, &mut happened));
+    (0..cases(4, 14)).for_each(|seed| goes_on(seed, &mut happened));
     let Happened { torn, burning, released, held, crowded, meshes } = happened;
     let least = [torn, burning, released, held, crowded, meshes].into_iter().min();
-    assert!(least >= Some(2), "{happened:?}");
+    assert!(least >= Some(cases(0, 2)), "{happened:?}");
 }
 
 /// A curtain that was cut and has come to rest.

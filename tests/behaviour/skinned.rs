@@ -28,7 +28,7 @@ fn pinned_vertices_follow_their_joints_and_none_gets_farther_than_painted() {
     let mut worst = (0.0_f32, f32::MIN, f32::MIN);
     for (seed, paint) in [Paint::Attribute, Paint::Color].into_iter().enumerate() {
         for units in [1.0, 100.0] {
-            for hertz in [24.0, 60.0, 144.0] {
+            for hertz in [24.0, 60.0, 144.0].into_iter().take(cases(1, 3)) {
                 let mut figure = figure(paint, units, |_| Transform::IDENTITY, LIMITS);
                 figure.app.add_systems(Update, (fidget, walk));
                 let mut numbers = Numbers(seed as u64 + hertz as u64);

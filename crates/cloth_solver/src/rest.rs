@@ -1,17 +1,20 @@
 //! When a cloth has come to rest, so that it need not be advanced any more.
 
-use crate::{Particles, Soa3, measure};
+use crate::{Particles, Soa3};
 
 /// What counts as rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestLimits {
-    /// Every particle is slower than this, m/s.
+    /// Every particle moves slower than this from tick to tick, m/s.
     pub speed: f32,
     /// For so long, s.
     pub time: f32,
 }
 
 /// Watches whether a cloth comes to rest: whether for some time all its particles have been slow and it has lost kinetic energy.
+///
+/// What counts is how far particles get in a tick, not their velocities. What is pulled against a solid has one at the end of each substep
+/// and gets nowhere: one contact takes it from a particle, and another, of an edge beside it, gives it back.
 ///
 /// Slow alone is not enough: a sheet that begins to topple is slow as well, but gains energy, and one that drifts keeps it.
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::component::Component))]
@@ -20,7 +23,7 @@ pub struct RestLimits {
 pub struct Rest {
     /// For how long all particles have been slow, s.
     slow: f32,
-    /// Kinetic energy when that began, J.
+    /// Kinetic energy of what they moved in the tick when that began, J.
     energy: f64,
 }
 
@@ -39,13 +42,14 @@ impl Rest {
         *self = Self::default();
     }
 
-    /// Takes note of the particles after a tick of `dt` s that nothing disturbed. Whether they are at rest.
-    pub fn watch(&mut self, particles: &Particles, limits: &RestLimits, dt: f32) -> bool {
-        if !is_below(&particles.velocity, limits.speed) {
+    /// Takes note of the particles after a tick of `dt` s that nothing disturbed and that began where they were `before`. Whether they
+    /// are at rest.
+    pub fn watch(&mut self, particles: &Particles, before: &Soa3, limits: &RestLimits, dt: f32) -> bool {
+        if !is_still(&particles.position, before, limits.speed * dt) {
             self.disturb();
             return false;
         }
-        let energy = measure::kinetic_energy(particles);
+        let energy = energy_of_way(particles, before) / f64::from(dt).powi(2);
         if self.slow == 0.0 {
             self.energy = energy;
         }
@@ -61,6 +65,24 @@ impl Rest {
         }
         fell
     }
+}
+
+/// Whether no particle gets as far as `limit` (m) from where it was `before`. One whose place is no number does, and so does one more
+/// or less.
+pub fn is_still(now: &Soa3, before: &Soa3, limit: f32) -> bool {
+    let axes = now.x.iter().zip(&before.x).zip(now.y.iter().zip(&before.y)).zip(now.z.iter().zip(&before.z));
+    let squares = axes.map(|(((x, a), (y, b)), (z, c))| {
+        let (x, y, z) = (x - a, y - b, z - c);
+        (x * x + y * y + z * z).to_bits()
+    });
+    now.len() == before.len() && squares.fold(0, u32::max) < (limit * limit).to_bits()
+}
+
+/// Half of mass times square of the way, summed over all particles, kg·m².
+fn energy_of_way(particles: &Particles, before: &Soa3) -> f64 {
+    let now = &particles.position;
+    let of = |slot: usize| f64::from(particles.mass[slot] * now.get(slot).distance_squared(before.get(slot)));
+    0.5 * (0..particles.mass.len()).map(of).sum::<f64>()
 }
 
 /// Whether every vector is shorter than `limit`. One that is no number is not.
@@ -88,8 +110,11 @@ mod tests {
         let mut particles = Particles::new(&topology, 0.1);
         let mut rest = Rest::default();
         (1..640).find(|tick| {
-            particles.velocity.fill(Vec3::Z * speed(*tick as f32 * DT));
-            rest.watch(&particles, &LIMITS, DT)
+            let before = particles.position.clone();
+            for slot in 0..before.len() {
+                particles.position.set(slot, before.get(slot) + Vec3::Z * (speed(*tick as f32 * DT) * DT));
+            }
+            rest.watch(&particles, &before, &LIMITS, DT)
         })
     }
 

@@ -8,6 +8,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_cloth::cloth_solver::cloth::Constraints;
 use bevy_cloth::cloth_solver::measure;
 use bevy_cloth::{Cloth, ClothClock, ClothCollider, ClothFrame, ClothTime, ClothTopology, Particles, ShownShape};
+use cloth_cases::cases;
 use cloth_scene::{FigurePart, Scene, Walk};
 
 use super::{Mannequin, MannequinPlugin, Part};
@@ -134,18 +135,18 @@ fn holds(worst: Worst, deep: f32, what: &str) {
 
 #[test]
 fn cape_and_skirt_stay_on_at_any_steady_speed() {
-    for speed in [0.0, 1.4, 4.0] {
+    for speed in [0.0, 1.4, 4.0].into_iter().skip(cases(2, 0)) {
         let mut game = opened();
         walk_at(&mut game, speed);
-        holds(play(&mut game, 64 * 2), WALKING, &format!("{speed} m/s"));
+        holds(play(&mut game, 64 * cases(1, 2)), WALKING, &format!("{speed} m/s"));
     }
 }
 
 #[test]
 fn cape_and_skirt_stay_on_while_speed_and_frame_rate_change_at_random() {
-    for seed in 0..2 {
+    for seed in 0..cases(1, 2) {
         let (mut game, mut numbers) = (opened(), Numbers(seed));
-        for _ in 0..3 {
+        for _ in 0..cases(1, 3) {
             walk_at(&mut game, 4.0 * numbers.next());
             let rate = 3.0 * 40.0_f32.powf(numbers.next());
             frames_of(&mut game, 1.0 / rate);
@@ -157,7 +158,7 @@ fn cape_and_skirt_stay_on_while_speed_and_frame_rate_change_at_random() {
 
 #[test]
 fn a_slider_thrown_from_standing_to_running_and_back_tears_nothing_off() {
-    for rate in [3.0, 60.0] {
+    for rate in [3.0, 60.0].into_iter().skip(cases(1, 0)) {
         let mut game = opened();
         frames_of(&mut game, 1.0 / rate);
         for speed in [4.0, 0.0] {
@@ -175,7 +176,7 @@ fn a_slider_thrown_from_standing_to_running_and_back_tears_nothing_off() {
 fn a_reset_takes_the_walk_back_to_its_start() {
     let mut game = opened();
     walk_at(&mut game, 3.0);
-    play(&mut game, 100);
+    play(&mut game, cases(40, 100));
     game.app.world_mut().trigger(ResetScene);
     holds(play(&mut game, 30), JUMPING, "after a reset");
     let world = game.app.world_mut();

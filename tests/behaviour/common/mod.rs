@@ -6,6 +6,8 @@ pub mod wearer;
 
 use std::time::Duration;
 
+pub use cloth_cases::cases;
+
 use bevy::camera::{NormalizedRenderTarget, RenderTarget, RenderTargetInfo};
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::picking::pointer::{Location, PointerAction, PointerId, PointerInput};

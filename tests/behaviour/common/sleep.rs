@@ -111,7 +111,7 @@ impl Bed {
 
 /// Does it to seeded random cloths that are asleep. Each must wake in the very next tick, for that cause.
 pub fn assert_wakes(expected: WakeCause, prepare: impl Fn(&mut Bed), disturb: impl Fn(&mut Bed)) {
-    for seed in 0..4 {
+    for seed in 0..cases(1, 4) {
         let mut bed = Bed::hanging(seed);
         prepare(&mut bed);
         run_to_sleep(&mut bed.app, bed.cloth);
@@ -127,7 +127,7 @@ pub fn assert_wakes(expected: WakeCause, prepare: impl Fn(&mut Bed), disturb: im
 
 /// Does it to seeded random cloths that are asleep. None must wake within a second.
 pub fn assert_sleeps_on(prepare: impl Fn(&mut Bed), disturb: impl Fn(&mut Bed)) {
-    for seed in 0..4 {
+    for seed in 0..cases(1, 4) {
         let mut bed = Bed::hanging(seed);
         prepare(&mut bed);
         run_to_sleep(&mut bed.app, bed.cloth);

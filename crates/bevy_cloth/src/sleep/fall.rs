@@ -4,7 +4,7 @@ use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use cloth_solver::cloth::Constraints;
 use cloth_solver::contact::{Contacts, SelfContacts};
-use cloth_solver::rest::{Rest, RestLimits, is_below};
+use cloth_solver::rest::{Rest, RestLimits, is_below, is_still};
 use cloth_solver::{Particles, measure};
 
 use super::{ClothAsleep, ClothSleep, Disturbances};
@@ -57,10 +57,13 @@ pub(crate) fn fall_asleep(
         }
         let settings = cloth.sleep.unwrap_or(&shared);
         let limits = RestLimits { speed: settings.speed, time: settings.time };
-        if !settings.enabled || cloth.is_driven(settings.wind) || cloth.is_disturbed(&limits, &disturbances) {
+        if !settings.enabled
+            || cloth.is_driven(settings.wind)
+            || cloth.is_disturbed(limits.speed * tick.dt, &disturbances)
+        {
             cloth.rest.disturb();
         } else {
-            cloth.plan.at_rest = cloth.rest.watch(&cloth.particles, &limits, tick.dt);
+            cloth.plan.at_rest = cloth.rest.watch(&cloth.particles, &cloth.history.position, &limits, tick.dt);
         }
         if !cloth.plan.at_rest {
             restless.extend(cloth.plan.group);
@@ -103,9 +106,9 @@ impl AwakeItem<'_, '_> {
         pieces.pieces.iter().any(|piece| !piece.pinned && piece.triangles < tearable.debris)
     }
 
-    /// Whether a collider that moves may touch it. Of no interest for a cloth that is fast.
-    fn is_disturbed(&self, limits: &RestLimits, disturbances: &Disturbances) -> bool {
-        if disturbances.is_empty() || !is_below(&self.particles.velocity, limits.speed) {
+    /// Whether a collider that moves may touch it. Of no interest for a cloth that moves by `far` (m) and more in a tick.
+    fn is_disturbed(&self, far: f32, disturbances: &Disturbances) -> bool {
+        if disturbances.is_empty() || !is_still(&self.particles.position, &self.history.position, far) {
             return false;
         }
         let bounds = measure::bounds(self.topology, &self.particles.position);

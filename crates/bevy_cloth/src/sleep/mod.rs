@@ -40,7 +40,7 @@ pub(crate) use wake::wake_up;
 pub struct ClothSleep {
     /// Whether the cloth may fall asleep. Default `true`.
     pub enabled: bool,
-    /// It does so only while every particle is slower than this, m/s; 0 to 10. Default 0.03. At 0 it never does.
+    /// It does so only while every particle moves slower than this from tick to tick, m/s; 0 to 10. Default 0.03. At 0 it never does.
     pub speed: f32,
     /// For how long that must have been so, s; 0 to 1,000. In the meantime its kinetic energy must have fallen, too: what begins
     /// to topple is slow as well. Default 0.5.

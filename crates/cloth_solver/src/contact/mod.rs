@@ -243,7 +243,7 @@ pub fn collide_with(
         contacts.touches.clear();
     }
     contacts.touches.resize(contacts.colliders.len(), Touch::default());
-    let calm = contacts.leaving.map(|leaving| leaving.advance(particles, sub.h));
+    let bound = contacts.leaving.map(|leaving| leaving.bound(particles, sub.h));
     let mut near = std::mem::take(&mut contacts.near);
     let mut patch = std::mem::take(&mut contacts.patch);
     let mut touched = std::mem::take(&mut contacts.touched);
@@ -281,7 +281,7 @@ pub fn collide_with(
         let is_sharp = sag.is_none_or(|sag| {
             sag > 0.0 && near.is_stretched((topology, particles), edge, MOST_STRETCH * contacts.longest)
         });
-        let is_slow = calm.is_some() && shape.mesh().is_none();
+        let is_slow = bound.is_some() && shape.mesh().is_none();
         let answer = Answer::new(collider, margin, offsets[1] - offsets[0], is_slow, sub.h);
         if body.is_some() {
             exchange.begin(particles);
@@ -317,15 +317,16 @@ pub fn collide_with(
     near.take_touched(&mut touched);
     (contacts.near, contacts.patch, contacts.touched, contacts.arrivals) = (near, patch, touched, arrivals);
     contacts.exchange = exchange;
+    let calm = contacts.leaving.zip(bound).map(|(leaving, bound)| leaving.calm_after(particles, bound, sub.h));
     let calm = if arrives { Some(0.0) } else { calm.filter(|calm| *calm < CALM) };
     contacts.leaving = calm.map(|calm| Leaving { energy: measure::kinetic_energy(particles), calm });
 }
 
 impl Leaving {
     /// Takes from the speed of all particles what they have gained more than their weight gave them in the last `h` s: what is pushed
-    /// out of a solid pushes the rest of the cloth along, through links that know nothing of it, and that is no speed either.
-    /// Tells for how long there was nothing to take, s.
-    fn advance(self, particles: &mut Particles, h: f32) -> f32 {
+    /// out of a solid pushes the rest of the cloth along, through links that know nothing of it, and that is no speed either. Tells the
+    /// energy that is allowed, J, and what part is left of what there was.
+    fn bound(self, particles: &mut Particles, h: f32) -> [f64; 2] {
         let (gravity, mass) =
             (particles.acceleration.as_dvec3(), particles.mass.iter().map(|m| f64::from(*m)).sum::<f64>());
         let weight = measure::linear_momentum(particles).dot(gravity) * f64::from(h);
@@ -334,12 +335,18 @@ impl Leaving {
         let allowed = (self.energy + weight).max(fall);
         let now = measure::kinetic_energy(particles);
         if now <= allowed {
-            return self.calm + h;
+            return [allowed, 1.0];
         }
         let part = (allowed / now).sqrt() as f32;
         let Soa3 { x, y, z } = &mut particles.velocity;
         x.iter_mut().chain(y).chain(z).for_each(|v| *v *= part);
-        0.0
+        [allowed, allowed / now]
+    }
+
+    /// For how long there has been no gain but what contact takes again, s: what lies on a solid with a load on it is drawn in and
+    /// put back in every substep.
+    fn calm_after(self, particles: &Particles, [allowed, part]: [f64; 2], h: f32) -> f32 {
+        if measure::kinetic_energy(particles) <= allowed * part { self.calm + h } else { 0.0 }
     }
 }
 

@@ -76,7 +76,7 @@ fn cloth_rests_on_the_corner_of_a_box() {
 
 #[test]
 fn finely_divided_cloth_rests_on_a_pyramid_as_well() {
-    rests(&drape(pyramid(), Quat::IDENTITY, 0.0, 80, 10.0), "apex");
+    rests(&drape(pyramid(), Quat::IDENTITY, 0.0, cases(48, 80), cases(6.0, 10.0)), "apex");
 }
 
 /// A small sheet on ground that slopes by `degrees`; how far it slid along the slope in `seconds`.

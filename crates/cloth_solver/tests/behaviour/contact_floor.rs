@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 
 #[test]
 fn a_curtain_reset_into_the_floor_leaves_it_slowly_and_rests() {
-    for below in [0.3_f32, 0.6, 1.0] {
+    for below in [0.3_f32, 0.6, 1.0].into_iter().skip(cases(2, 0)) {
         let mut cloth = rectangle(1.2, 1.5, 48, 60, &Fabric::COTTON_POPLIN);
         cloth.air = Some(Air::default());
         pin_top(&mut cloth, (0..=48).step_by(8));
@@ -23,5 +23,6 @@ fn a_curtain_reset_into_the_floor_leaves_it_slowly_and_rests() {
         assert!(fastest < 3.5, "{fastest} m/s out of a floor {below} m above its hem");
         let speed = measure::rms_speed(&cloth.topology, &cloth.particles);
         assert!(speed < 0.03, "{speed} m/s 5 s later");
+        assert!(!cloth.contacts.is_leaving(), "out of the floor since long, and still held back");
     }
 }

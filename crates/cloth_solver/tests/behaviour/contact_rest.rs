@@ -25,7 +25,7 @@ fn cloth_spawned_in_a_solid_leaves_it_and_rests() {
         ("a box", Shape::cuboid(Vec3::splat(0.4)).unwrap()),
         ("a pyramid", pyramid()),
     ];
-    for (name, shape) in shapes {
+    for (name, shape) in shapes.into_iter().skip(cases(2, 0)) {
         let mut cloth = laid(shape, Quat::IDENTITY, 0.01);
         run(&mut cloth, 10.0);
         let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest_triangle(&cloth));
@@ -38,7 +38,7 @@ fn cloth_spawned_in_a_solid_leaves_it_and_rests() {
 fn cloth_rests_on_what_is_sharp_and_no_triangle_sinks_in() {
     let edge_up = Quat::from_rotation_x(1.2) * Quat::from_rotation_y(FRAC_PI_4);
     let corner_up = Quat::from_rotation_x(0.6154) * Quat::from_rotation_z(FRAC_PI_4);
-    let cases = [
+    let solids = [
         ("an apex", pyramid(), Quat::IDENTITY),
         ("an edge", pyramid(), edge_up),
         ("a face", pyramid(), Quat::from_rotation_x(-1.03)),
@@ -47,7 +47,7 @@ fn cloth_rests_on_what_is_sharp_and_no_triangle_sinks_in() {
         ("a ball", Shape::sphere(0.2).unwrap(), Quat::IDENTITY),
         ("a bar", Shape::capsule(0.02, 0.6).unwrap(), Quat::from_rotation_z(FRAC_PI_2)),
     ];
-    for (name, shape, rotation) in cases {
+    for (name, shape, rotation) in solids.into_iter().step_by(cases(3, 1)) {
         let mut cloth = laid(shape, rotation, 0.3);
         run(&mut cloth, 12.0);
         let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest_triangle(&cloth));

@@ -154,7 +154,7 @@ fn no_part_gets_smaller_than_a_fiftieth_of_a_triangle_however_often_it_is_cut() 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(4, 12), failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
     #[test]
     fn random_cuts_and_holes_leave_a_sound_cloth_of_the_same_mass(

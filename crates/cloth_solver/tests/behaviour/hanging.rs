@@ -46,7 +46,7 @@ fn the_top_row_carries_the_weight() {
 
 #[test]
 fn cloth_hung_by_two_corners_holds_its_stretch_limit_at_the_default_budget() {
-    for cells in [20, 40, 63] {
+    for cells in [20, 40, 63].into_iter().take(cases(2, 3)) {
         let mut cloth = rectangle(1.0, 1.0, cells, cells, &Fabric::COTTON_POPLIN);
         pin_top(&mut cloth, [0, cells]);
         run(&mut cloth, 10.0);
@@ -67,7 +67,7 @@ fn cloth_hung_by_two_corners_hangs_alike_from_two_substeps_on() {
         (measure::largest_strain(&cloth.topology, &cloth.particles), cloth.particles.position.get(lowest).y)
     };
     let (strain, height) = hang(40);
-    for substeps in [2, 3, 10] {
+    for substeps in [2, 3, 10].into_iter().step_by(cases(2, 1)) {
         let (found, at) = hang(substeps);
         assert!((found / strain - 1.0).abs() < 0.1, "{found}, not {strain}, with {substeps} substeps");
         assert!((at - height).abs() < 0.002, "{at} m, not {height} m, with {substeps} substeps");
@@ -99,13 +99,14 @@ fn cloth_held_by_one_side_sags_as_its_shear_stiffness_says() {
 
 #[test]
 fn no_number_of_substeps_makes_corner_hung_cloth_explode() {
-    for substeps in [1, 2, 3, 5, 10, 20] {
-        let mut cloth = rectangle(1.0, 1.0, 63, 63, &Fabric::COTTON_POPLIN);
+    let cells = cases(32, 63);
+    for substeps in [1, 2, 3, 5, 10, 20].into_iter().step_by(cases(2, 1)) {
+        let mut cloth = rectangle(1.0, 1.0, cells, cells, &Fabric::COTTON_POPLIN);
         for p in 0..cloth.topology.slots() {
             // Not perfectly flat, or it could not buckle.
             cloth.particles.position.z[p] += 1e-3 * (p as f32 * 12.9898).sin();
         }
-        pin_top(&mut cloth, [0, 63]);
+        pin_top(&mut cloth, [0, cells]);
         for _ in 0..300 {
             cloth.step(Tick { substeps, ..TICK }, GRAVITY);
         }

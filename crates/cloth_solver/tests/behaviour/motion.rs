@@ -177,7 +177,7 @@ fn paper_thrown_on_the_ground_gains_no_energy() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(6, 24), failure_persistence: None, rng_seed: RngSeed::Fixed(17), ..ProptestConfig::default() })]
 
     #[test]
     fn a_sheet_of_any_fabric_thrown_on_the_ground_gains_no_energy(

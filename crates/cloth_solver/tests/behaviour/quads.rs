@@ -139,7 +139,7 @@ fn furthest(cloth: &Cloth) -> f32 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(20), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(16, 64), failure_persistence: None, rng_seed: RngSeed::Fixed(20), ..ProptestConfig::default() })]
 
     #[test]
     fn rows_and_columns_are_found_however_quads_are_cut_numbered_and_bent(shape in shape(40)) {
@@ -192,7 +192,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, rng_seed: RngSeed::Fixed(21), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(6, 24), failure_persistence: None, rng_seed: RngSeed::Fixed(21), ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_bent_at_rest_stays_so_and_comes_back(shape in shape(16), preset in 0..Fabric::PRESETS.len()) {
@@ -401,7 +401,7 @@ fn a_cut_or_torn_cape_goes_on_where_it_is() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, rng_seed: RngSeed::Fixed(19), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(1, 16), failure_persistence: None, rng_seed: RngSeed::Fixed(19), ..ProptestConfig::default() })]
 
     #[test]
     fn paper_of_any_shape_thrown_on_the_ground_gains_no_energy(

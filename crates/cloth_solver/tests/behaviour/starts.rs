@@ -60,12 +60,12 @@ fn cloth_hangs_as_it_should_whatever_shape_it_starts_in() {
 #[test]
 fn a_flag_comes_to_rest_without_wind_and_once_a_wind_has_stopped() {
     for is_mesh in [false, true] {
-        for substeps in [10, 20] {
+        for substeps in [10, 20].into_iter().take(cases(1, 2)) {
             let mut flag = sheet(is_mesh, Vec2::new(0.45, 0.3), [18, 12], &Fabric::COTTON_POPLIN);
             flag.air = Some(Air::default());
             hold(&mut flag, |rest| rest.x < -0.2249);
             let tick = Tick::at_least(1.0 / 60.0, substeps);
-            for (wind, seconds) in [(0.0, 20), (6.0, 2), (0.0, 20)] {
+            for (wind, seconds) in [(0.0, cases(8, 20)), (6.0, 2), (0.0, cases(8, 20))] {
                 flag.wind = WindField::uniform(Vec3::new(wind, 0.0, 0.1 * wind));
                 for _ in 0..60 * seconds {
                     flag.step(tick, GRAVITY);

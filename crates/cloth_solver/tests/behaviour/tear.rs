@@ -45,7 +45,7 @@ fn pull_apart(notched: bool, mesh: bool) -> Option<f32> {
 
 #[test]
 fn a_notched_sheet_tears_at_a_lower_load_than_a_whole_one() {
-    for mesh in [false, true] {
+    for mesh in [false, true].into_iter().take(cases(1, 2)) {
         let (whole, notched) = (pull_apart(false, mesh).unwrap(), pull_apart(true, mesh).unwrap());
         // A strip 0.3 m wide that takes 400 N/m.
         assert!((whole / 120.0 - 1.0).abs() < 0.03, "the whole one tears at {whole} N");
@@ -166,9 +166,9 @@ fn curtain() -> Cloth {
 fn a_curtain_is_dragged_aside_without_leaving_its_hooks_and_rips_at_the_hand() {
     let hung = curtain();
     let at = Vec3::new(0.1, -0.3, 0.0);
-    for (drawn, rips) in
-        [([0.2, 0.1, 0.2], false), ([0.4, 0.0, 0.4], true), ([0.7, -0.35, 0.5], true), ([0.0, -0.5, 0.8], true)]
-    {
+    let drawn =
+        [([0.2, 0.1, 0.2], false), ([0.4, 0.0, 0.4], true), ([0.7, -0.35, 0.5], true), ([0.0, -0.5, 0.8], true)];
+    for (drawn, rips) in drawn.into_iter().step_by(cases(3, 1)) {
         let mut cloth = hung.clone();
         let (torn_at, _) = pull(&mut cloth, &Tearing::at(180.0), at, drawn.into(), 1.0);
         assert_eq!(!torn_at.is_empty(), rips, "drawn by {drawn:?}");
@@ -228,8 +228,8 @@ fn the_overloaded_end_of_a_thread_cannot_part_and_its_cloth_is_not_even_copied()
 
 #[test]
 fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
-    for mesh in [false, true] {
-        for fallen in [100.0, 3000.0, 1e5] {
+    for mesh in [false, true].into_iter().skip(cases(1, 0)) {
+        for fallen in [100.0, 3000.0, 1e5].into_iter().skip(cases(2, 0)) {
             let sheet = rectangle(0.5, 0.5, 24, 24, &Fabric::COTTON_POPLIN);
             let mut cloth = if mesh { as_mesh(&sheet, &Fabric::COTTON_POPLIN) } else { sheet };
             place(&mut cloth, Quat::from_rotation_x(0.3), Vec3::new(0.4, -fallen, 0.2));

@@ -15,8 +15,13 @@ const LIFETIME: f32 = 0.55;
 /// Half the width of a wisp over the width of the cloth it burns on, and its length over its width.
 const PROPORTION: (f32, f32) = (1.5, 1.9);
 
-/// Edge of the texture, of two by two wisps, in pixels.
-const TEXTURE: u32 = 128;
+/// Edge of a tile of the texture, in pixels, and how many tiles there are across and down: first the flames, then the others.
+const TILE: u32 = 64;
+pub(super) const TILES: UVec2 = UVec2::new(4, 2);
+
+/// The tiles that show puffs of smoke, and the one that shows a spark.
+pub(super) const PUFFS: core::ops::Range<u32> = 4..7;
+pub(super) const SPARK: u32 = 7;
 
 /// Colours through the life of a wisp, linear: what it shines with, and how much it hides.
 const COLORS: [[f32; 4]; 4] =
@@ -42,9 +47,11 @@ pub(crate) struct Wisp {
     pub at: Vec3,
     /// Half its width and half its length, m.
     pub half: Vec2,
+    /// How far it is turned in the picture, rad.
+    pub turn: f32,
     /// Premultiplied, linear.
     pub color: [f32; 4],
-    /// Which of the four of the texture it shows.
+    /// Which tile of the texture it shows.
     pub tile: u32,
 }
 
@@ -52,13 +59,7 @@ impl Root {
     /// Its wisp number `k` at `time` s, where the hot gas streams at `stream` m/s.
     pub fn wisp(&self, k: u32, time: f64, stream: Vec3) -> Wisp {
         let life = LIFETIME * (0.7 + 0.6 * unit(hash(self.seed)));
-        let turns = time / f64::from(life) + f64::from(k) / f64::from(A_ROOT) + f64::from(unit(hash(self.seed ^ 7)));
-        let (age, born) = (turns.fract() as f32, turns as u64 as u32);
-        let mut chance = hash(hash(self.seed.wrapping_add(k)).wrapping_add(born));
-        let mut draw = || {
-            chance = hash(chance);
-            unit(chance)
-        };
+        let (age, mut draw) = self.age(k, time / f64::from(life) + f64::from(k) / f64::from(A_ROOT));
         let aside = (Vec3::new(draw(), draw(), draw()) - 0.5) * (self.width * (0.5 + 1.5 * age));
         let size = self.width * (0.7 + 0.6 * draw()) * self.strength.sqrt();
         // It spreads while it takes fire, and is eaten up as it rises.
@@ -70,18 +71,32 @@ impl Root {
         Wisp {
             at: self.at + rise + aside + stream.normalize_or_zero() * (0.6 * length),
             half: Vec2::new(width, length),
-            color: color(age).map(|part| part * shine),
-            tile: chance % 4,
+            turn: 0.0,
+            color: color(&COLORS, age).map(|part| part * shine),
+            tile: (4.0 * draw()) as u32 % 4,
         }
+    }
+
+    /// The age, 0..1, of what it lets rise as number `k`, of which it has let so many rise, and numbers of 0..1 without pattern that
+    /// stay the same until that is gone.
+    pub fn age(&self, k: u32, risen: f64) -> (f32, impl FnMut() -> f32 + use<>) {
+        let turns = risen + f64::from(unit(hash(self.seed ^ 7)));
+        let (age, born) = (turns.fract() as f32, turns as u64 as u32);
+        let mut chance = hash(hash(self.seed.wrapping_add(k)).wrapping_add(born));
+        let draw = move || {
+            chance = hash(chance);
+            unit(chance)
+        };
+        (age, draw)
     }
 }
 
-/// The colour at an age of 0..=1.
-fn color(age: f32) -> [f32; 4] {
-    let place = age.clamp(0.0, 1.0) * (COLORS.len() - 1) as f32;
-    let from = (place as usize).min(COLORS.len() - 2);
+/// The colour at an age of 0..=1, of those through a life.
+pub(super) fn color(colors: &[[f32; 4]; 4], age: f32) -> [f32; 4] {
+    let place = age.clamp(0.0, 1.0) * (colors.len() - 1) as f32;
+    let from = (place as usize).min(colors.len() - 2);
     let t = place - from as f32;
-    std::array::from_fn(|i| COLORS[from][i] * (1.0 - t) + COLORS[from + 1][i] * t)
+    std::array::from_fn(|i| colors[from][i] * (1.0 - t) + colors[from + 1][i] * t)
 }
 
 /// How brightly a fire shines at `time` s, 1 on the average.
@@ -113,20 +128,39 @@ fn noise(at: Vec2, seed: u32) -> f32 {
     row(0) * (1.0 - t.y) + row(1) * t.y
 }
 
-/// Four wisps, white, as bright as they hide: wide and round below, frayed and pointed above.
+/// Flames, puffs of smoke and a spark, white, as bright as they hide.
 pub(super) fn texture() -> Image {
-    let half = TEXTURE / 2;
-    let pixels = (0..TEXTURE * TEXTURE).flat_map(|pixel| {
-        let (x, y) = (pixel % TEXTURE, pixel / TEXTURE);
-        let at = (Vec2::new((x % half) as f32, (y % half) as f32) + 0.5) / half as f32 * 2.0 - 1.0;
-        [(255.0 * density(at, x / half + 2 * (y / half))) as u8; 4]
+    let UVec2 { x: width, y: height } = TILE * TILES;
+    let pixels = (0..width * height).flat_map(|pixel| {
+        let (x, y) = (pixel % width, pixel / width);
+        let at = (Vec2::new((x % TILE) as f32, (y % TILE) as f32) + 0.5) / TILE as f32 * 2.0 - 1.0;
+        [(255.0 * shown(at, x / TILE + TILES.x * (y / TILE))) as u8; 4]
     });
-    let size = Extent3d { width: TEXTURE, height: TEXTURE, depth_or_array_layers: 1 };
+    let size = Extent3d { width, height, depth_or_array_layers: 1 };
     let usage = RenderAssetUsages::RENDER_WORLD;
     Image::new(size, TextureDimension::D2, pixels.collect(), TextureFormat::Rgba8Unorm, usage)
 }
 
-/// How dense a wisp is at a place of −1..=1, y down; 0 at the border.
+/// How dense what a tile shows is at a place of −1..=1, y down; 0 at the border.
+fn shown(at: Vec2, tile: u32) -> f32 {
+    if PUFFS.contains(&tile) {
+        puff(at, tile)
+    } else if tile == SPARK {
+        (1.1 - 1.2 * at.length()).clamp(0.0, 1.0)
+    } else {
+        density(at, tile)
+    }
+}
+
+/// The same of a puff of smoke: round, and of billows.
+fn puff(at: Vec2, tile: u32) -> f32 {
+    let billows = 0.65 * noise(at * 2.0 + 9.0, tile) + 0.35 * noise(at * 4.5 + 9.0, tile + 4);
+    let dense = ((0.95 - at.length()) * 1.5).clamp(0.0, 1.0) * (0.35 + 0.9 * billows);
+    let dense = dense.min(1.0);
+    dense * dense * (3.0 - 2.0 * dense)
+}
+
+/// The same of a flame: wide and round below, frayed and pointed above.
 fn density(at: Vec2, tile: u32) -> f32 {
     let up = 0.5 - 0.5 * at.y;
     let sway = (noise(Vec2::new(2.0 * up, 0.5), 31 + tile) - 0.5) * 0.6 * up;
@@ -173,11 +207,12 @@ mod tests {
 
     #[test]
     fn the_texture_is_clear_at_the_border_of_each_wisp_and_dense_inside() {
-        for tile in 0..4 {
+        for tile in 0..TILES.element_product() {
             let around = (0..100).map(|i| i as f32 / 50.0 - 1.0);
             let border = around.flat_map(|k| [Vec2::new(k, 1.0), Vec2::new(k, -1.0), Vec2::new(1.0, k)]);
-            assert!(border.map(|at| density(at, tile)).all(|density| density == 0.0), "{tile}");
-            assert!(density(Vec2::new(0.0, 0.3), tile) > 0.9, "{tile}");
+            assert!(border.map(|at| shown(at, tile)).all(|density| density == 0.0), "{tile}");
+            let inside = if tile < 4 { shown(Vec2::new(0.0, 0.3), tile) } else { shown(Vec2::ZERO, tile) };
+            assert!(inside > if PUFFS.contains(&tile) { 0.4 } else { 0.9 }, "{tile}: {inside}");
         }
     }
 }

@@ -166,8 +166,10 @@ fn laid(part: Part) -> Vec<Trial> {
                 cloth.contacts.set_colliders([solid(shape, Vec3::ZERO, rotation), ground(-0.5)]);
                 let (mut rest, mut asleep) = (Rest::default(), None);
                 for tick in 0..(seconds / TICK.dt) as u32 {
+                    let before = cloth.particles.position.clone();
                     cloth.step(TICK, GRAVITY);
-                    let rests = rest.watch(&cloth.particles, &RestLimits { speed: AT_REST, time: 0.5 }, TICK.dt);
+                    let rests =
+                        rest.watch(&cloth.particles, &before, &RestLimits { speed: AT_REST, time: 0.5 }, TICK.dt);
                     if rests && asleep.is_none() {
                         asleep = Some(tick as f32 * TICK.dt);
                     }

@@ -376,6 +376,8 @@ pub fn strain(cloth: &Cloth) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use cloth_cases::cases;
+
     use super::*;
     use crate::stability::monkey::{Held, Tool};
 
@@ -418,11 +420,11 @@ mod tests {
     fn cloth_holds_what_wind_blades_tears_and_fire_do_to_it() {
         let tools = [Tool::Wind, Tool::Blade, Tool::Tear, Tool::Fire];
         let mut parted = 0;
-        for seed in 1..=12 {
+        for seed in 1..=cases(3, 12) {
             let seen = play(&Plan::new(seed, 300, &tools));
             assert_eq!(seen.fault, None, "seed {seed}: {} m/s, {} times its drive", seen.speed, seen.ratio);
             parted += usize::from(seen.left[1] > 1);
         }
-        assert!(parted > 3, "only {parted} of them came apart");
+        assert!(parted > cases(0, 3), "only {parted} of them came apart");
     }
 }

@@ -5,6 +5,7 @@ pub mod fire;
 
 use std::sync::Arc;
 
+pub use cloth_cases::cases;
 use cloth_solver::constraint::{Pin, Pins};
 use cloth_solver::contact::{Collider, Shape};
 use cloth_solver::topology::{MeshSource, Resolution};
@@ -119,7 +120,7 @@ pub fn positions(cloth: &Cloth) -> Vec<Vec3> {
 
 /// A sheet of 0.8 m that lies `above` the middle of a solid, which stands above ground at −0.3 m.
 pub fn laid(shape: Shape, rotation: Quat, above: f32) -> Cloth {
-    let mut cloth = rectangle(0.8, 0.8, 32, 32, &Fabric::COTTON_POPLIN);
+    let mut cloth = rectangle(0.8, 0.8, cases(24, 32), cases(24, 32), &Fabric::COTTON_POPLIN);
     place(&mut cloth, Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2), Vec3::new(0.01, above, 0.02));
     let ground = collider(Shape::HalfSpace, Vec3::Y * -0.3, Quat::IDENTITY, Fabric::COTTON_POPLIN.friction);
     cloth.contacts.set_colliders([collider(shape, Vec3::ZERO, rotation, Fabric::COTTON_POPLIN.friction), ground]);

@@ -105,8 +105,11 @@ fn smoke_rises_above_the_flames_steam_where_water_meets_them_and_in_the_end_noth
     run(&mut app, 3);
     assert_eq!(flames(&mut app), []);
     assert!(rises(&mut app, cloth).expect("steam") > 0.1);
-    run(&mut app, 3000);
-    assert_eq!(rises(&mut app, cloth), None, "cold by now");
+    let is_cold = |_: &usize| {
+        run(&mut app, 60);
+        rises(&mut app, cloth).is_none()
+    };
+    assert!((0..50).find(is_cold).is_some(), "cold by now");
 }
 
 #[test]

@@ -67,9 +67,9 @@ fn a_clamped_strip_droops_as_the_elastica_on_two_grids() {
 
 #[test]
 fn a_clamped_strip_of_an_irregular_mesh_droops_as_the_elastica() {
-    let (cells, gammas) = (cases(16, 40), [ELASTICA[1], ELASTICA[3]]);
+    let (cells, gammas) = (cases(20, 40), [ELASTICA[1], ELASTICA[3]]);
     let spacing = LENGTH / cells as f32;
-    for (gamma, expected) in gammas {
+    for (gamma, expected) in gammas.into_iter().take(cases(1, 2)) {
         let (flat, triangles) = irregular(Vec2::new(LENGTH, 6.0 * spacing), [cells, 6]);
         let source = MeshSource { positions: &flat, uvs: &[], indices: triangles.as_flattened() };
         let mut topology = Topology::from_mesh(source).unwrap();

@@ -168,7 +168,7 @@ fn a_curtain_is_dragged_aside_without_leaving_its_hooks_and_rips_at_the_hand() {
     let at = Vec3::new(0.1, -0.3, 0.0);
     let drawn =
         [([0.2, 0.1, 0.2], false), ([0.4, 0.0, 0.4], true), ([0.7, -0.35, 0.5], true), ([0.0, -0.5, 0.8], true)];
-    for (drawn, rips) in drawn.into_iter().step_by(cases(3, 1)) {
+    for (drawn, rips) in drawn.into_iter().skip(cases(3, 0)) {
         let mut cloth = hung.clone();
         let (torn_at, _) = pull(&mut cloth, &Tearing::at(180.0), at, drawn.into(), 1.0);
         assert_eq!(!torn_at.is_empty(), rips, "drawn by {drawn:?}");
@@ -236,7 +236,7 @@ fn a_piece_that_falls_far_from_its_frame_tears_no_further() {
             cloth.particles.velocity.fill(Vec3::NEG_Y * (2.0 * 9.81 * fallen).sqrt());
             let mut tear = Tear::new(&cloth.topology, Vec::new());
             let tearing = Tearing::at(120.0);
-            for tick in 0..90 {
+            for tick in 0..cases(45, 90) {
                 cloth.step(TICK, GRAVITY);
                 tear.watch(&cloth.topology, &cloth.particles, &mut cloth.constraints, TICK.dt);
                 let torn = cloth.tear(&mut tear, &tearing).is_some();

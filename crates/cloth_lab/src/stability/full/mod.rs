@@ -189,7 +189,7 @@ mod tests {
     fn a_short_version_plays_every_row_and_says_which_trials_do_not_hold() {
         let out = std::env::temp_dir().join(format!("cloth_lab_full_{}", std::process::id()));
         let all: Vec<u32> = (1..=33).filter(|number| *number != 17).chain([36]).collect();
-        let played = cases(vec![1, 6, 10, 33], all);
+        let played = cases(vec![1, 10, 33], all);
         let outcome = run(Part::new(0.002).unwrap(), 1, &played, &Output { out: out.clone() });
         let text = std::fs::read_to_string(out.join("stability_full.md")).unwrap();
         for number in played {

@@ -237,6 +237,7 @@ pub fn collide_with(
 ) {
     (contacts.touching, contacts.deepest) = (0, 0.0);
     if contacts.colliders.is_empty() {
+        contacts.leaving = None;
         return;
     }
     if sub.start <= 0.0 {

@@ -26,3 +26,15 @@ fn a_curtain_reset_into_the_floor_leaves_it_slowly_and_rests() {
         assert!(!cloth.contacts.is_leaving(), "out of the floor since long, and still held back");
     }
 }
+
+#[test]
+fn cloth_that_leaves_a_solid_is_free_at_once_where_that_is_taken_away() {
+    let mut cloth = rectangle(0.5, 0.5, 12, 12, &Fabric::COTTON_POPLIN);
+    let ball = collider(Shape::sphere(0.2).unwrap(), Vec3::ZERO, Quat::IDENTITY, 0.3);
+    cloth.contacts.set_colliders([ball]);
+    cloth.step(TICK, GRAVITY);
+    assert!(cloth.contacts.is_leaving());
+    cloth.contacts.set_colliders([]);
+    cloth.step(TICK, GRAVITY);
+    assert!(!cloth.contacts.is_leaving());
+}

@@ -117,7 +117,7 @@ pub(crate) struct Burning {
 impl BurningItem<'_, '_> {
     /// Whether there may be something to show.
     fn shows_flames(&self, shared: &Settings) -> bool {
-        (self.fire.flaming() > 0 || self.fire.is_warm())
+        self.fire.is_warm()
             && *self.own.unwrap_or(&shared.flames) == ClothFlames::Shown
             && *self.coloring.unwrap_or(&shared.coloring) == ClothColoring::Material
     }

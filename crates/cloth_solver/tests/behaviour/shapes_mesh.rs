@@ -225,22 +225,29 @@ proptest! {
 
     /// In a furrow or a hollow what is pushed off one side goes into the others.
     #[test]
-    fn cloth_on_rough_ground_is_on_all_its_sides_at_once(
-        (fields, heights) in (4_u32..28).prop_flat_map(|n| (Just(n), prop::collection::vec(0.0_f32..1.0, (n as usize + 1).pow(2)))),
-        steep in 0.3_f32..3.0, is_furrowed: bool, cells in 8_u32..32, preset in 0..Fabric::PRESETS.len(), at in vector(0.0..0.1)
+    fn cloth_in_furrows_and_hollows_is_on_all_their_sides_at_once(
+        (half, waves) in (1_u32..5, 2_u32..5), steep in 0.7_f32..1.5, is_hollow: bool,
+        cells in 16_u32..32, preset in 0..Fabric::PRESETS.len(), at in vector(0.0..0.1)
     ) {
         let (_, fabric) = Fabric::PRESETS[preset];
-        let highest = steep / fields as f32;
-        let height = |i: usize| highest * heights[if is_furrowed { i % (fields as usize + 1) } else { i }];
-        let heights: Vec<f32> = (0..heights.len()).map(height).collect();
-        let shape = Shape::height_field(Vec2::ONE, UVec2::splat(fields), &heights, 0.02).unwrap();
-        let mut cloth = rectangle(0.7, 0.7, cells, cells, &fabric);
+        // Waves of straight slopes, so many fields long each.
+        let fields = 2 * half * waves;
+        let (field, size) = (1.2 / fields as f32, Vec2::splat(1.2));
+        let wave = |i: u32| steep * field * (i % (2 * half)).abs_diff(half) as f32;
+        let height = |i: u32| {
+            let [x, z] = [i % (fields + 1), i / (fields + 1)].map(wave);
+            if is_hollow { 0.5 * (x + z) } else { x }
+        };
+        let heights: Vec<f32> = (0..(fields + 1).pow(2)).map(height).collect();
+        let shape = Shape::height_field(size, UVec2::splat(fields), &heights, 0.02).unwrap();
+        let mut cloth = rectangle(0.8, 0.8, cells, cells, &fabric);
+        let highest = steep * field * half as f32;
         place(&mut cloth, Quat::from_rotation_x(-FRAC_PI_2), at + Vec3::Y * (highest + 0.05));
         let ground = collider(Shape::HalfSpace, Vec3::Y * -0.6, Quat::IDENTITY, fabric.friction);
         cloth.contacts.set_colliders([collider(shape.clone(), Vec3::ZERO, Quat::IDENTITY, fabric.friction), ground]);
         run(&mut cloth, 5.0);
         let (speed, depth) = (measure::rms_speed(&cloth.topology, &cloth.particles), deepest(&cloth, &shape, Quat::IDENTITY));
-        prop_assert!(speed < 0.05 && depth < 5e-5, "{speed} m/s, {depth} m deep");
+        prop_assert!(speed < 0.05 && depth < 1e-5, "{speed} m/s, {depth} m deep");
     }
 }
 
